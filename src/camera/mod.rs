@@ -1,0 +1,147 @@
+//! Cameras: what is where in a photograph, and where in the world a pixel comes from.
+//!
+//! Three contracts. A [`CentralModel`] turns a direction into an image point and back, without a pose; a
+//! [`SensorModel`] does so for points of the world, and need not have one projection centre; [`Adjustable`] gives the
+//! partial derivatives by which either is found from points. [`Frame`] is a pose and a central model.
+//!
+//! Camera axes: x right, y down, z forward. Image coordinates: pixels, from the top-left corner of the top-left pixel,
+//! whose centre is (0.5, 0.5). The photogrammetric system (millimetres, y up, looking along −z) enters by named
+//! constructors.
+//!
+#![doc = include_str!("../../docs/figures/camera.svg")]
+
+// mod collinearity;
+// mod distortion;
+// mod exterior;
+// mod frame;
+// mod homogeneous;
+// mod interior;
+// mod orthographic;
+
+use core::fmt::Debug;
+
+use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
+
+// pub use distortion::{Brown, BrownCamera, Undistorted};
+// pub use exterior::ExteriorOrientation;
+// pub use frame::Frame;
+// pub use homogeneous::HomogeneousCamera;
+// pub use interior::InteriorOrientation;
+// pub use orthographic::Orthographic;
+
+use crate::error::{Error, ProjectionError};
+use crate::geometry::{Locus, Surface};
+
+/// A camera with one projection centre, seen from that centre: direction ⇄ image.
+///
+/// No pose, and no "behind" of its own: a fisheye sees more than a half-space. Where the model has a limit it says so
+/// ([`ProjectionError::BehindCamera`], [`ProjectionError::OutsideDomain`]).
+///
+/// `project(unproject(p)) = p` and `unproject(project(d)) ∥ d` within the domain.
+pub trait CentralModel: Debug + Send + Sync {
+    /// The image (pixels) of a direction in camera axes, of any positive length.
+    ///
+    /// # Errors
+    /// The reason why this direction has no image.
+    fn project_direction(&self, direction: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError>;
+
+    /// The image with its partial derivatives ∂(x, y)/∂(X, Y, Z).
+    ///
+    /// # Errors
+    /// As [`project_direction`](Self::project_direction).
+    fn project_direction_jacobian(
+        &self,
+        direction: &Vector3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError>;
+
+    /// The direction in camera axes, of unit length, that images at this point (pixels).
+    ///
+    /// # Errors
+    /// The reason why no direction does, [`ProjectionError::NotConverged`] among them.
+    #[doc(alias("unproject", "backproject", "undistortPoints"))]
+    fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError>;
+}
+
+/// A sensor in the world: world ⇄ image, with any number of projection centres or none.
+///
+/// `project(ground(p, surface)) = p` on every surface within the domain.
+pub trait SensorModel: Debug + Send + Sync {
+    /// The image (pixels) of a world point.
+    ///
+    /// # Errors
+    /// The reason why this point has no image.
+    #[doc(alias("image_from_ground", "groundToImage", "projectPoints"))]
+    fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError>;
+
+    /// The image with its partial derivatives ∂(x, y)/∂(X, Y, Z).
+    ///
+    /// # Errors
+    /// As [`project`](Self::project).
+    fn project_jacobian(
+        &self,
+        world: &Point3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError>;
+
+    /// The points of the world that image here: a ray, or a curve over height with its error bound.
+    ///
+    /// # Errors
+    /// The reason why there are none.
+    #[doc(alias("imageToProximateImagingLocus"))]
+    fn locus(&self, image: &Point2<f64>) -> Result<Locus, ProjectionError>;
+
+    /// The point of a surface that images here (monoplotting).
+    ///
+    /// # Errors
+    /// As [`locus`](Self::locus), and [`ProjectionError::MissesSurface`].
+    #[doc(alias("imageToGround", "monoplotting"))]
+    fn ground(
+        &self,
+        image: &Point2<f64>,
+        surface: &dyn Surface,
+    ) -> Result<Point3<f64>, ProjectionError> {
+        surface.meet(&self.locus(image)?)
+    }
+}
+
+/// A group of parameters that an adjustment estimates, or holds, together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterGroup {
+    /// What the group is, as `"exterior orientation"`.
+    pub name: &'static str,
+    /// The number of parameters.
+    pub len: usize,
+}
+
+/// A model whose parameters can be estimated from points.
+///
+/// Parameters come in groups, so that a whole group can be shared between photographs or held. The object point is a
+/// direction in camera axes for a [`CentralModel`] and a world point for a [`SensorModel`].
+pub trait Adjustable {
+    /// The groups, in a fixed order.
+    fn parameter_groups(&self) -> &[ParameterGroup];
+
+    /// The current values of a group, written to a slice of its length. For a rotation, which is estimated as a small
+    /// vector about the current one, the values are zero.
+    fn parameters(&self, group: usize, values: &mut [f64]);
+
+    /// Moves a group by a step.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] where the result is no valid model, as a principal distance of zero; the model is then
+    /// unchanged.
+    fn adjust(&mut self, group: usize, step: &[f64]) -> Result<(), Error>;
+
+    /// The image of an object point with its partial derivatives.
+    ///
+    /// `by_object` receives ∂(x, y)/∂(X, Y, Z), two rows of three. `by_group[g]` receives the derivatives with respect
+    /// to group g, two rows of the group's length, or is empty: then the group is held and nothing is computed for it.
+    ///
+    /// # Errors
+    /// As the model's projection. The slices then hold no meaningful numbers.
+    fn partials(
+        &self,
+        object: &Point3<f64>,
+        by_object: &mut [f64; 6],
+        by_group: &mut [&mut [f64]],
+    ) -> Result<Point2<f64>, ProjectionError>;
+}

@@ -1,0 +1,74 @@
+//! What a line of sight can meet.
+
+use nalgebra::Point3;
+
+use super::ray::{HeightCurve, Locus, Ray};
+use crate::error::ProjectionError;
+
+/// A surface of the world: a plane, an ellipsoid, a height field.
+///
+/// The trait is object-safe, so that a sensor can be asked for the ground point on any surface.
+pub trait Surface: core::fmt::Debug + Send + Sync {
+    /// A function that is zero on the surface, positive above it and negative below, in world units near the surface;
+    /// NaN where the surface is not defined.
+    fn height_above(&self, world: &Point3<f64>) -> f64;
+
+    /// The first point of the surface along the ray.
+    ///
+    /// # Errors
+    /// [`ProjectionError::MissesSurface`] where there is none in front of the ray's origin.
+    fn meet_ray(&self, ray: &Ray) -> Result<Point3<f64>, ProjectionError>;
+
+    /// The highest point of the curve that lies on the surface.
+    ///
+    /// # Errors
+    /// [`ProjectionError::MissesSurface`] where the curve does not cross the surface within its interval.
+    fn meet_curve(&self, curve: &HeightCurve) -> Result<Point3<f64>, ProjectionError> {
+        first_crossing(curve, |p| self.height_above(p))
+    }
+
+    /// The point of the surface on a locus of either kind.
+    ///
+    /// # Errors
+    /// As [`meet_ray`](Self::meet_ray) and [`meet_curve`](Self::meet_curve).
+    fn meet(&self, locus: &Locus) -> Result<Point3<f64>, ProjectionError> {
+        match locus {
+            Locus::Ray(ray) => self.meet_ray(ray),
+            Locus::Curve(curve) => self.meet_curve(curve),
+        }
+    }
+}
+
+/// The steps in which a curve is searched from its top for a change of sign.
+const STEPS: u32 = 64;
+
+/// Searches the curve from above for the first change of sign, then bisects to neighbouring floats.
+fn first_crossing(
+    curve: &HeightCurve,
+    height_above: impl Fn(&Point3<f64>) -> f64,
+) -> Result<Point3<f64>, ProjectionError> {
+    let [low, high] = curve.heights;
+    let at = |k: u32| high + (low - high) * (f64::from(k) / f64::from(STEPS));
+    let mut above = at(0);
+    let mut above_value = height_above(&curve.at(above));
+    for k in 1..=STEPS {
+        let below = at(k);
+        let value = height_above(&curve.at(below));
+        if above_value >= 0.0 && value <= 0.0 {
+            let (mut a, mut b) = (above, below);
+            loop {
+                let middle = 0.5 * (a + b);
+                if !((middle < a && middle > b) || (middle > a && middle < b)) {
+                    return Ok(curve.at(middle));
+                }
+                if height_above(&curve.at(middle)) > 0.0 {
+                    a = middle;
+                } else {
+                    b = middle;
+                }
+            }
+        }
+        (above, above_value) = (below, value);
+    }
+    Err(ProjectionError::MissesSurface)
+}

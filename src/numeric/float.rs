@@ -1,0 +1,68 @@
+//! Float functions with or without the standard library.
+//!
+//! With `std` they are the inherent methods; without, those of the `libm` crate.
+
+macro_rules! unary {
+    ($($name:ident),*) => {$(
+        #[inline]
+        pub(crate) fn $name(x: f64) -> f64 {
+            #[cfg(feature = "std")]
+            { x.$name() }
+            #[cfg(not(feature = "std"))]
+            { libm::$name(x) }
+        }
+    )*};
+}
+unary!(sqrt, sin, cos, tan, asin, acos, atan, floor, ceil, round, cbrt);
+
+/// Natural logarithm.
+#[inline]
+pub(crate) fn ln(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.ln();
+    #[cfg(not(feature = "std"))]
+    return libm::log(x);
+}
+
+/// `x` to the power `y`.
+#[inline]
+pub(crate) fn powf(x: f64, y: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.powf(y);
+    #[cfg(not(feature = "std"))]
+    return libm::pow(x, y);
+}
+
+/// The angle of the vector (x, y), in (−π, π].
+#[inline]
+pub(crate) fn atan2(y: f64, x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return y.atan2(x);
+    #[cfg(not(feature = "std"))]
+    return libm::atan2(y, x);
+}
+
+/// √(x² + y²) without overflow.
+#[inline]
+pub(crate) fn hypot(x: f64, y: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.hypot(y);
+    #[cfg(not(feature = "std"))]
+    return libm::hypot(x, y);
+}
+
+/// Sine and cosine.
+#[inline]
+pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
+    #[cfg(feature = "std")]
+    return x.sin_cos();
+    #[cfg(not(feature = "std"))]
+    return libm::sincos(x);
+}
+
+/// The remainder of `x` by a positive `period`, in [0, period).
+#[inline]
+pub(crate) fn wrap(x: f64, period: f64) -> f64 {
+    let r = x - floor(x / period) * period;
+    if r >= period || r < 0.0 { 0.0 } else { r }
+}

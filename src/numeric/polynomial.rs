@@ -1,0 +1,118 @@
+//! Real roots of small polynomials.
+
+use super::float;
+
+/// The real roots of a x² + b x + c, smaller first, without cancellation; `None` where there is none or every
+/// coefficient of x vanishes. A linear equation has its one root twice.
+pub(crate) fn quadratic_roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
+    if a == 0.0 {
+        return (b != 0.0).then(|| [-c / b; 2]);
+    }
+    let half = -0.5 * b;
+    let discriminant = half * half - a * c;
+    if !(discriminant >= 0.0) {
+        return None;
+    }
+    // The root of larger magnitude adds numbers of one sign; the other follows from the product of the roots, c/a.
+    let q = half + float::sqrt(discriminant).copysign(half);
+    if q == 0.0 {
+        return Some([0.0; 2]);
+    }
+    let (x1, x2) = (q / a, c / q);
+    Some(if x1 <= x2 { [x1, x2] } else { [x2, x1] })
+}
+
+/// Value of the polynomial c₀ + c₁ x + c₂ x² + … (Horner).
+pub(crate) fn evaluate(coefficients: &[f64], x: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+/// The largest number of coefficients [`roots_in`] takes.
+pub(crate) const MAX_COEFFICIENTS: usize = 10;
+
+/// The real roots of c₀ + c₁ x + … in the open interval (low, high), ascending, written to `roots`; returns how many.
+///
+/// Between two neighbouring extrema a polynomial is monotone and has at most one root, so the roots of the derivative,
+/// found the same way, bracket those of the polynomial. Double roots, where the sign does not change, are not
+/// returned. `low` and `high` are finite; `roots` holds at least `coefficients.len() - 1` numbers.
+pub(crate) fn roots_in(coefficients: &[f64], low: f64, high: f64, roots: &mut [f64]) -> usize {
+    let n = coefficients.len().min(MAX_COEFFICIENTS);
+    if n < 2 {
+        return 0;
+    }
+    let mut derivative = [0.0; MAX_COEFFICIENTS];
+    for i in 1..n {
+        derivative[i - 1] = coefficients[i] * i as f64;
+    }
+    let mut extrema = [0.0; MAX_COEFFICIENTS];
+    let m = roots_in(&derivative[..n - 1], low, high, &mut extrema);
+    let mut count = 0;
+    let mut left = low;
+    for right in extrema[..m].iter().copied().chain([high]) {
+        if let Some(root) = monotone_root(coefficients, left, right) {
+            roots[count] = root;
+            count += 1;
+        }
+        left = right;
+    }
+    count
+}
+
+/// The root in (left, right) of a polynomial that is monotone there: bisection down to neighbouring floats.
+fn monotone_root(coefficients: &[f64], left: f64, right: f64) -> Option<f64> {
+    let (mut a, mut b) = (left, right);
+    let (fa, fb) = (evaluate(coefficients, a), evaluate(coefficients, b));
+    if fa == 0.0 || fb == 0.0 || fa.is_sign_negative() == fb.is_sign_negative() {
+        return None;
+    }
+    loop {
+        let middle = 0.5 * (a + b);
+        if !(middle > a && middle < b) {
+            return Some(middle);
+        }
+        let f = evaluate(coefficients, middle);
+        if f == 0.0 {
+            return Some(middle);
+        }
+        if f.is_sign_negative() == fa.is_sign_negative() {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quadratic_keeps_the_small_root() {
+        // x² − 1e8 x + 1: the textbook formula loses the small root; both from 50-digit arithmetic.
+        let [small, large] = quadratic_roots(1.0, -1e8, 1.0).unwrap();
+        assert_eq!(small, 1e-8);
+        assert_eq!(large, 99999999.99999999);
+        assert!(quadratic_roots(1.0, 0.0, 1.0).is_none());
+        assert!(quadratic_roots(f64::NAN, 0.0, 1.0).is_none());
+    }
+
+    #[test]
+    fn roots_of_a_quintic() {
+        let exact = |x: f64| (x - 1.0) * (x - 2.0) * (x - 3.0) * (x + 4.0) * (x - 5.5);
+        let mut c = [0.0; 6];
+        // Coefficients by repeated multiplication, independent of `evaluate`.
+        c[0] = 1.0;
+        for (k, r) in [1.0, 2.0, 3.0, -4.0, 5.5].into_iter().enumerate() {
+            for i in (0..=k + 1).rev() {
+                c[i] = (if i > 0 { c[i - 1] } else { 0.0 }) - r * if i <= k { c[i] } else { 0.0 };
+            }
+        }
+        assert!((evaluate(&c, 0.3) - exact(0.3)).abs() < 1e-11, "{c:?}");
+        let mut roots = [0.0; 5];
+        assert_eq!(roots_in(&c, -10.0, 10.0, &mut roots), 5);
+        for (r, e) in roots.iter().zip([-4.0, 1.0, 2.0, 3.0, 5.5]) {
+            assert!((r - e).abs() < 1e-12, "{r} {e}");
+        }
+        assert_eq!(roots_in(&c, 1.5, 2.5, &mut roots), 1);
+    }
+}

@@ -1,0 +1,1 @@
+//! All integration tests of the library: one binary, a file for each subject.
