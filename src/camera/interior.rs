@@ -180,6 +180,11 @@ impl InteriorOrientation {
         Point2::from(self.inverse_axes * (pixel - self.principal_point))
     }
 
+    /// A Jacobian of normalised points as one of pixels: A J A⁻¹.
+    pub(crate) fn conjugate(&self, normalised: &Matrix2<f64>) -> Matrix2<f64> {
+        self.axes * normalised * self.inverse_axes
+    }
+
     /// ∂pixel/∂normalised.
     pub(super) fn axes(&self) -> Matrix2<f64> {
         self.axes
