@@ -77,6 +77,12 @@ impl HomogeneousCamera {
         }
     }
 
+    /// Whether the projection is parallel: it has no centre, and w = 1.
+    #[must_use]
+    pub fn is_parallel(&self) -> bool {
+        self.center.w == 0.0
+    }
+
     /// M, image from (X − O, 1).
     #[must_use]
     pub fn image_from_world(&self) -> &Matrix3x4<f64> {

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix2, Point2};
 
-use super::Map;
-use crate::camera::BrownCamera;
-use crate::error::ProjectionError;
+use super::{FractionalLinear, Map};
+use crate::camera::{BrownCamera, Frame, HomogeneousCamera};
+use crate::error::{Error, ProjectionError};
+use crate::geometry::Plane;
 
 /// The map `outer` after `inner`: outer(inner(screen)).
 ///
@@ -60,6 +61,25 @@ impl Map for DistortMap {
         let normalised = interior.normalised_from_pixel(ideal);
         let (_, by_ideal) = self.camera.distortion().distort_jacobian(&normalised)?;
         Ok(interior.conjugate(&by_ideal))
+    }
+}
+
+/// The map into a photograph taken through a lens: [WD] eq. 1 into the ideal picture, then the lens.
+pub type PhotographMap = Composed<DistortMap, FractionalLinear>;
+
+impl PhotographMap {
+    /// The map that a plane, a photograph and a screen share.
+    ///
+    /// # Errors
+    /// As [`FractionalLinear::from_plane`].
+    pub fn from_plane(
+        plane: &Plane,
+        photograph: &Frame<BrownCamera>,
+        screen: &HomogeneousCamera,
+    ) -> Result<Self, Error> {
+        let inner =
+            FractionalLinear::from_plane(plane, &photograph.ideal().homogeneous(), screen)?;
+        Ok(Self { outer: DistortMap::new(photograph.camera), inner })
     }
 }
 

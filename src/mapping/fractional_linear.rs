@@ -2,7 +2,9 @@
 
 use core::ops::Range;
 
-use nalgebra::{Matrix2, Matrix3, Matrix4x3, Point2, Point3, RowVector3, Vector3, Vector4};
+use nalgebra::{
+    Matrix2, Matrix3, Matrix3x4, Matrix4x3, Point2, Point3, RowVector3, Vector3, Vector4,
+};
 
 use super::{Map, RowCoords};
 use crate::camera::HomogeneousCamera;
@@ -99,16 +101,26 @@ impl FractionalLinear {
         screen: &HomogeneousCamera,
     ) -> Result<Self, Error> {
         clear_of(plane, texture, "plane through the texture camera")?;
-        let world = world_from_screen(plane, screen)?;
-        let eye = world.row(3).into_owned();
         // The texture camera's frame has another origin: X − O_t = (X − O) + (O − O_t).
-        let mut about_texture = world;
         let shift = screen.origin - texture.origin;
-        for i in 0..3 {
-            let moved = world.row(i) + eye * shift[i];
-            about_texture.set_row(i, &moved);
-        }
-        Self::from_forms(texture.image_from_world * about_texture, eye)
+        let mut about_screen = texture.image_from_world;
+        let moved = texture.image_from_world * shift.push(1.0);
+        about_screen.set_column(3, &moved);
+        Self::from_plane_texture(plane, &about_screen, screen)
+    }
+
+    /// The map of a plane whose texture is any linear function of the world: (w u, w v, w) from (X − O, 1), O the screen's
+    /// origin. A camera is one such function, coordinates laid on the plane are another.
+    ///
+    /// # Errors
+    /// [`Error::Degenerate`] where the plane passes through the eye, [`Error::NotFinite`].
+    pub fn from_plane_texture(
+        plane: &Plane,
+        texture_from_world: &Matrix3x4<f64>,
+        screen: &HomogeneousCamera,
+    ) -> Result<Self, Error> {
+        let world = world_from_screen(plane, screen)?;
+        Self::from_forms(texture_from_world * world, world.row(3).into_owned())
     }
 
     /// The map through four points of a plane, projected into both cameras ([WD] after eq. 2: four pairs determine the
@@ -298,6 +310,24 @@ impl FractionalLinear {
 }
 
 impl HomogeneousCamera {
+    /// How near a plane is at each pixel, as a linear function of the screen: (N₀, N₁, N₂) of N₀ + N₁S + N₂L, larger for
+    /// nearer points.
+    ///
+    /// For a perspective camera it is the inverse depth 1/Z ([WD] after Fuchs et al. 1985), zero on the plane's horizon and
+    /// negative beyond. For a parallel one, which has no such depth, it is −Z′.
+    ///
+    /// # Errors
+    /// [`Error::Degenerate`] where the plane passes through the eye.
+    pub fn nearness(&self, plane: &Plane) -> Result<[f64; 3], Error> {
+        let world = world_from_screen(plane, self)?;
+        let row = if self.is_parallel() {
+            -(self.center.xyz().transpose() * world.fixed_view::<3, 3>(0, 0))
+        } else {
+            world.row(3).into_owned()
+        };
+        Ok([row[2], row[0], row[1]])
+    }
+
     /// The pixel of a world point.
     ///
     /// # Errors
@@ -321,7 +351,7 @@ fn plane_about(plane: &Plane, camera: &HomogeneousCamera) -> Vector4<f64> {
 fn clear_of(plane: &Plane, camera: &HomogeneousCamera, what: &'static str) -> Result<f64, Error> {
     let clearance = plane_about(plane, camera).dot(&camera.center);
     // For a parallel projection the clearance is a sine, to be judged against one.
-    let scale = if camera.center.w == 0.0 { 1.0 } else { (camera.origin - plane.point()).norm() };
+    let scale = if camera.is_parallel() { 1.0 } else { (camera.origin - plane.point()).norm() };
     let limit = GRAZING * scale;
     if clearance.abs() > limit {
         Ok(clearance)

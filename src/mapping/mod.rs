@@ -17,7 +17,7 @@ use core::ops::Range;
 use nalgebra::{Matrix2, Point2};
 
 pub use cantrell::CantrellPlane;
-pub use compose::{Composed, DistortMap, UndistortMap};
+pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
 pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};
 
