@@ -1,1 +1,2 @@
 //! All integration tests of the library: one binary, a file for each subject.
+mod geodetic;
