@@ -221,7 +221,7 @@ impl Ellipsoid {
                 let (u, v) = (p / (s + gap), zk / s);
                 let excess = u * u + v * v - 1.0;
                 let next = s + 0.5 * excess / (u * u / (s + gap) + v * v / s);
-                if !(next > s) {
+                if next <= s || next.is_nan() {
                     break;
                 }
                 s = next;

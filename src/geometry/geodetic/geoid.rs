@@ -230,7 +230,8 @@ impl GeoidGrid {
     /// The nodes around a position counted in steps; `None` outside.
     fn stencil(&self, position: f64, nodes: usize, wraps: bool) -> Option<Stencil> {
         let last = nodes as f64 - 1.0;
-        if !wraps && !(position >= -EDGE_SLACK && position <= last + EDGE_SLACK) {
+        let inside = position >= -EDGE_SLACK && position <= last + EDGE_SLACK;
+        if !(wraps || inside) {
             return None;
         }
         let position = if wraps { position } else { position.clamp(0.0, last) };
