@@ -5,6 +5,8 @@
 
 use core::ops::{Add, Mul, Neg, Sub};
 
+use super::float;
+
 /// The unevaluated sum high + low, |low| ≤ ½ ulp(high).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Twofold {
@@ -52,6 +54,17 @@ impl Twofold {
         let q = self.high / other.high;
         let rest = self - other * Self::new(q);
         let (high, low) = two_sum(q, rest.high / other.high);
+        Self { high, low }
+    }
+
+    /// The square root of a number that is not negative, to about 30 digits: one correction of the float root.
+    pub(crate) fn sqrt(self) -> Self {
+        let root = float::sqrt(self.high);
+        if root == 0.0 {
+            return Self::new(0.0);
+        }
+        let rest = self - Self::new(root) * Self::new(root);
+        let (high, low) = two_sum(root, rest.high / (2.0 * root));
         Self { high, low }
     }
 }
@@ -103,5 +116,7 @@ mod tests {
         // 1/3 to 30 digits: 3 · (1/3) − 1 vanishes to 2⁻¹⁰⁰.
         let third = Twofold::new(1.0).div(Twofold::new(3.0));
         assert!((Twofold::new(3.0) * third - Twofold::new(1.0)).round().abs() < 1e-30);
+        let root = Twofold::new(2.0).sqrt();
+        assert!((root * root - Twofold::new(2.0)).round().abs() < 1e-30);
     }
 }

@@ -1,3 +1,8 @@
 //! All integration tests of the library: one binary, a file for each subject.
 
+mod camera;
 mod contracts;
+mod geodetic;
+mod plane_map;
+mod support;
+mod texturer;

@@ -57,3 +57,22 @@ impl Homography {
         Ok(Self { matrix: if w < 0.0 { -m } else { m } })
     }
 }
+/// tmp
+#[derive(Default, Debug)]
+pub struct FitOptions;
+/// tmp
+#[derive(Debug)]
+pub struct HomographyFit {
+    /// tmp
+    pub homography: Homography,
+}
+impl Homography {
+    /// tmp
+    pub fn fit(
+        _: &[Point2<f64>],
+        _: &[Point2<f64>],
+        _: &FitOptions,
+    ) -> Result<HomographyFit, Error> {
+        Err(Error::NotFinite { what: "x" })
+    }
+}
