@@ -15,7 +15,7 @@ pub mod rotation;
 mod surface;
 
 pub use affine::Affine2;
-// pub use homography::Homography;
+pub use homography::Homography;
 pub use plane::{Plane, PlaneFit};
 pub use pose::Pose;
 pub use ray::{HeightCurve, Locus, Ray};
