@@ -7,7 +7,7 @@
 //!
 #![doc = include_str!("../../../docs/figures/homography.svg")]
 
-// pub mod decompose;
+pub mod decompose;
 mod fit;
 mod quad;
 mod robust;
