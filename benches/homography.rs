@@ -10,7 +10,8 @@ fn quads() -> Vec<[Point2<f64>; 4]> {
     // Quads of a 4000 × 3000 picture, each corner moved by a fixed sequence.
     let mut state = 1u64;
     let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
     (0..64)

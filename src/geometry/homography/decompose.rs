@@ -226,9 +226,8 @@ pub fn visible(
     first: &Matrix3<f64>,
 ) -> Result<Vec<PlaneMotion>, Error> {
     let inverse = inverse_calibration(first)?;
-    let sees = |n: &UnitVector3<f64>| {
-        points.iter().all(|p| n.dot(&(inverse * p.to_homogeneous())) > 0.0)
-    };
+    let sees =
+        |n: &UnitVector3<f64>| points.iter().all(|p| n.dot(&(inverse * p.to_homogeneous())) > 0.0);
     Ok(motions.iter().filter(|m| m.normal.as_ref().is_none_or(sees)).copied().collect())
 }
 

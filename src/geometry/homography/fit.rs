@@ -308,9 +308,8 @@ fn fit(
         problem.linearise(&h, &mut linear);
         (h, convergence, None)
     };
-    let composed = image_frame.back(pixel)
-        * Matrix3::from_row_slice(h.as_slice())
-        * object_frame.forward();
+    let composed =
+        image_frame.back(pixel) * Matrix3::from_row_slice(h.as_slice()) * object_frame.forward();
     let homography = match exact {
         Some(map) => map,
         None => Homography::from_matrix(composed)?,
@@ -527,20 +526,16 @@ impl Problem for Transfer<'_> {
     }
 }
 
-/// The entries of the inverse matrix, oriented; NaN for a singular one.
+/// The entries of the inverse matrix; NaN for a singular one.
 fn inverse(h: &SVector<f64, 9>) -> [f64; 9] {
-    let m = Matrix3::from_row_slice(h.as_slice());
-    let sign = 1.0f64.copysign(m.determinant());
-    m.try_inverse().map_or([f64::NAN; 9], |m| {
-        core::array::from_fn(|k| sign * m[(k / 3, k % 3)])
-    })
+    let inverse = Matrix3::from_row_slice(h.as_slice()).try_inverse();
+    inverse.map_or([f64::NAN; 9], |m| m.transpose().as_slice().try_into().unwrap_or([f64::NAN; 9]))
 }
 
 impl Transfer<'_> {
     /// The distances ‖x − G x′‖ in the object, G = H⁻¹: with y = G x′, dy = −G dH y.
     fn add_backward(&self, h: &SVector<f64, 9>, linear: &mut Linear) {
         let g = inverse(h);
-        let sign = 1.0f64.copysign(Matrix3::from_row_slice(h.as_slice()).determinant());
         for (i, (s, t)) in self.object.iter().zip(&self.image).enumerate() {
             let y = homogeneous(&g, *t);
             if !(y[2] > 0.0) {
@@ -551,7 +546,7 @@ impl Transfer<'_> {
             let weight = self.weight(i) * self.options.loss.weight(residual.norm_squared());
             let partial = |k: usize| {
                 let column = [g[k / 3], g[3 + k / 3], g[6 + k / 3]];
-                let factor = -sign * y[k % 3] / y[2];
+                let factor = -y[k % 3] / y[2];
                 self.object_unit
                     * Vector2::new(column[0] - p * column[2], column[1] - q * column[2])
                     * factor

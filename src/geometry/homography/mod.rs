@@ -196,8 +196,8 @@ impl Homography {
         line.iter().all(|c| c.is_finite()).then_some(line)
     }
 
-    /// The map back: the adjugate over |det H|, its sign such that the image of every point in front lies in front. At
-    /// the image of a point with denominator w its own denominator is 1/w. Every entry is accurate to a few roundings.
+    /// The map back, H⁻¹. The images of the points in front lie in front of it: at the image of a point with denominator
+    /// w its own denominator is 1/w. Every entry is accurate to a few roundings.
     ///
     /// # Errors
     /// [`Error::Degenerate`] where a composition has lost its regularity (see [`from_matrix`](Self::from_matrix)) or the
@@ -207,7 +207,11 @@ impl Homography {
         if matrix.iter().all(|e| e.is_finite()) {
             Ok(Self { matrix })
         } else {
-            Err(Error::Degenerate { what: "inverse of a homography", measure: 0.0, limit: SINGULAR })
+            Err(Error::Degenerate {
+                what: "inverse of a homography",
+                measure: 0.0,
+                limit: SINGULAR,
+            })
         }
     }
 
@@ -286,7 +290,8 @@ fn regular(matrix: &Matrix3<f64>) -> Result<Equilibrated, Error> {
         let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
         exact(1, j1) * exact(2, j2) - exact(1, j2) * exact(2, j1)
     };
-    let determinant = (exact(0, 0) * minor(0) + exact(0, 1) * minor(1) + exact(0, 2) * minor(2)).round();
+    let determinant =
+        (exact(0, 0) * minor(0) + exact(0, 1) * minor(1) + exact(0, 2) * minor(2)).round();
     let weight: f64 = a.iter().zip(&cofactors).map(|(a, c)| (a * c).abs()).sum();
     let measure = if weight > 0.0 { determinant.abs() / weight } else { 0.0 };
     if !(measure > SINGULAR) {
@@ -297,8 +302,9 @@ fn regular(matrix: &Matrix3<f64>) -> Result<Equilibrated, Error> {
 
 impl Equilibrated {
     fn inverse(&self) -> Matrix3<f64> {
-        let size = self.determinant.abs();
-        Matrix3::from_fn(|i, j| self.cofactors[(j, i)] / size / self.columns[i] / self.rows[j])
+        Matrix3::from_fn(|i, j| {
+            self.cofactors[(j, i)] / self.determinant / self.columns[i] / self.rows[j]
+        })
     }
 }
 
@@ -309,8 +315,9 @@ mod tests {
 
     #[test]
     fn jacobian_is_that_of_the_formula() {
-        let h = Homography::from_coefficients([3.0, 1.5, -0.2], [-7.0, 0.3, 2.5], [1.2, 0.01, -0.03])
-            .unwrap();
+        let h =
+            Homography::from_coefficients([3.0, 1.5, -0.2], [-7.0, 0.3, 2.5], [1.2, 0.01, -0.03])
+                .unwrap();
         let (x, y) = (4.0, -2.5);
         let [u, v, w] =
             homogeneous(&h.entries::<Dual<2>>(), [Dual::variable(x, 0), Dual::variable(y, 1)]);

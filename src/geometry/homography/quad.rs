@@ -115,10 +115,7 @@ impl Homography {
     /// # Ok::<(), collinear::Error>(())
     /// ```
     #[doc(alias("getPerspectiveTransform", "quad_to_quad"))]
-    pub fn from_quads(
-        source: &[Point2<f64>; 4],
-        target: &[Point2<f64>; 4],
-    ) -> Result<Self, Error> {
+    pub fn from_quads(source: &[Point2<f64>; 4], target: &[Point2<f64>; 4]) -> Result<Self, Error> {
         let (from, to) = (Areas::new(source), Areas::new(target));
         if !from.convex() {
             return Err(refuse(source, "source quad: three corners on a line"));
@@ -394,9 +391,8 @@ impl Frame {
 
     #[inline(always)]
     fn points<T: Real>(&self, points: &[Point2<f64>; 4]) -> [[T; 2]; 4] {
-        points.map(|p| {
-            [0, 1].map(|k| T::difference(p[k], self.anchor[k]).times_power(self.power[k]))
-        })
+        points
+            .map(|p| [0, 1].map(|k| T::difference(p[k], self.anchor[k]).times_power(self.power[k])))
     }
 }
 
@@ -426,8 +422,7 @@ fn compose<T: Real>(
     for n in 0..3 {
         let [i, j, k] = [BASE[n], BASE[(n + 1) % 3], BASE[(n + 2) % 3]];
         let factor = sign * w[i] * omega[j] * omega[k];
-        let line =
-            [p[j][1] - p[k][1], p[k][0] - p[j][0], p[j][0] * p[k][1] - p[k][0] * p[j][1]];
+        let line = [p[j][1] - p[k][1], p[k][0] - p[j][0], p[j][0] * p[k][1] - p[k][0] * p[j][1]];
         for (row, coordinate) in h.iter_mut().zip([q[i][0], q[i][1], one]) {
             let weighted = factor * coordinate;
             for (entry, l) in row.iter_mut().zip(line) {

@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 
 use nalgebra::Point2;
 
-use super::fit::{FitOptions, HomographyFit};
 use super::Homography;
+use super::fit::{FitOptions, HomographyFit};
 use crate::error::Error;
 use crate::numeric::consensus::{ConsensusOptions, Estimator, search};
 

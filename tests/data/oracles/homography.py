@@ -48,11 +48,66 @@ def apply(h, p):
     return q[:, :2] / q[:, 2:]
 
 
+def cost(x, local, image, scale, weights, kind):
+    """Half the sum of losses in 50 digits."""
+    h = mp.matrix(3, 3)
+    for i in range(9):
+        h[i // 3, i % 3] = (x[i] if i < 8 else mp.mpf(1)) / (scale if i % 3 < 2 else 1)
+    g = h**-1 if kind == "symmetric" else None
+
+    def distance2(m, p, q):
+        a, b = mp.mpf(float(p[0])), mp.mpf(float(p[1]))
+        w = m[2, 0] * a + m[2, 1] * b + m[2, 2]
+        du = (m[0, 0] * a + m[0, 1] * b + m[0, 2]) / w - mp.mpf(float(q[0]))
+        dv = (m[1, 0] * a + m[1, 1] * b + m[1, 2]) / w - mp.mpf(float(q[1]))
+        return du * du + dv * dv
+
+    total = mp.mpf(0)
+    for p, q, weight in zip(local, image, weights):
+        d2 = distance2(h, p, q)
+        if kind == "huber" and d2 > mp.mpf("0.25"):
+            d2 = mp.sqrt(d2) - mp.mpf("0.25")  # k (2 d − k), k = 1/2
+        total += mp.mpf(float(weight)) * d2
+        if g is not None:
+            total += distance2(g, q, p)
+    return total / 2
+
+
+def optimum(x, *data):
+    """The minimum near x, by three Newton steps with central differences in 50 digits."""
+    x, e = [mp.mpf(float(v)) for v in x], mp.mpf(10) ** -14
+
+    def at(*moves):
+        y = list(x)
+        for i, d in moves:
+            y[i] += d
+        return cost(y, *data)
+
+    for _ in range(3):
+        n = len(x)
+        size = [e * max(1, abs(v)) for v in x]
+        centre = at()
+        up, down = [at((i, size[i])) for i in range(n)], [at((i, -size[i])) for i in range(n)]
+        gradient, hessian = mp.matrix(n, 1), mp.matrix(n, n)
+        for i in range(n):
+            gradient[i] = (up[i] - down[i]) / (2 * size[i])
+            hessian[i, i] = (up[i] - 2 * centre + down[i]) / size[i] ** 2
+            for j in range(i):
+                both = at((i, size[i]), (j, size[j])) - up[i] - up[j] + 2 * centre - down[i] - down[j]
+                both += at((i, -size[i]), (j, -size[j]))
+                hessian[i, j] = hessian[j, i] = both / (2 * size[i] * size[j])
+        step = mp.lu_solve(hessian, gradient)
+        x = [v - s for v, s in zip(x, step)]
+    assert max(abs(s) / max(1, abs(v)) for s, v in zip(step, x)) < mp.mpf(10) ** -9
+    return float(at())
+
+
 def fits():
     cases = []
     for n, offset in ((6, 0.0), (20, 0.0), (100, 0.0), (30, 1e6)):
         truth = np.array([[30.0, 4.0, 900.0], [-3.0, 26.0, 700.0], [0.004, -0.003, 1.0]])
-        local = rounded(rng.uniform(-50, 50, (n, 2)), 3)
+        # Multiples of 2⁻¹⁰, so that adding the offset is exact.
+        local = np.round(rng.uniform(-50, 50, (n, 2)) * 1024) / 1024
         image = rounded(apply(truth, local) + rng.normal(0, 0.7, (n, 2)), 3)
         obj = local + np.array([offset, 4 * offset])
         weights = rounded(rng.uniform(0.3, 3.0, n), 2)
@@ -95,11 +150,17 @@ def fits():
         cofactor = g @ np.linalg.inv(j.T @ j) @ g.T
         ocv, _ = cv2.findHomography(local, image, 0)
         half = lambda r: 0.5 * float(r @ r)
+        scipy_cost = half(image_residuals(best))
+        one = np.ones(n)
+        costs = [
+            optimum(start, local, image, mp.mpf(float(scale)), w, kind)
+            for start, w, kind in ((best, one, "image"), (weighted, weights, "image"), (sym, one, "symmetric"), (rob, one, "huber"))
+        ]
         cases.append(
             dict(
                 object=obj.tolist(), image=image.tolist(), weights=weights.tolist(),
-                cost=half(image_residuals(best)), weighted_cost=half(image_residuals(weighted, weights)),
-                symmetric_cost=half(symmetric(sym)), huber_cost=half(huber(rob)),
+                cost=costs[0], weighted_cost=costs[1], symmetric_cost=costs[2], huber_cost=costs[3],
+                scipy_cost=scipy_cost,
                 opencv_cost=half((apply(ocv, local) - image).ravel()),
                 point=[10.0 + offset, -20.0 + 4 * offset], image_of_point=at(best).tolist(), cofactor=cofactor.tolist(),
             )
