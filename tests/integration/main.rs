@@ -3,6 +3,7 @@
 mod camera;
 mod contracts;
 mod geodetic;
+mod homography;
 mod plane_map;
 mod support;
 mod texturer;
