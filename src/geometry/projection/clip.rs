@@ -12,7 +12,7 @@ use nalgebra::Vector4;
 /// | `Wgpu`     | WebGPU              | 0 … w              | up   |
 ///
 /// Sources: OpenGL 2.1 reference pages, glFrustum and glViewport; Microsoft's Direct3D 9 pages on
-/// D3DXMatrixPerspectiveOffCenterRH; the Vulkan specification, *Primitive Clipping* and *Controlling the Viewport*.
+/// `D3DXMatrixPerspectiveOffCenterRH`; the Vulkan specification, *Primitive Clipping* and *Controlling the Viewport*.
 ///
 /// ```
 /// use collinear::geometry::projection::ClipConvention;

@@ -74,7 +74,7 @@ impl DepthRange {
         if self.reversed { [highest, lowest] } else { [lowest, highest] }
     }
 
-    /// (α, β) of z_ndc = α + β / Z, which is `ends` at near and far.
+    /// (α, β) of `z_ndc = α + β / Z`, which is `ends` at near and far.
     pub(super) fn perspective(&self, ndc: [f64; 2]) -> [f64; 2] {
         let [at_near, at_far] = self.ends(ndc);
         if self.far == f64::INFINITY {
@@ -86,7 +86,7 @@ impl DepthRange {
         [at_far * far - at_near * near, (at_near - at_far) * self.near * far]
     }
 
-    /// (α, β) of z_ndc = α Z + β, which is `ends` at near and far.
+    /// (α, β) of `z_ndc = α Z + β`, which is `ends` at near and far.
     pub(super) fn orthographic(&self, ndc: [f64; 2]) -> [f64; 2] {
         let [at_near, at_far] = self.ends(ndc);
         let length = self.far - self.near;

@@ -25,7 +25,7 @@ use crate::numeric::float;
 ///
 /// α and β put the ends of the [`DepthRange`] at those of the [`ClipConvention`]. The first row is that of gluPerspective, the
 /// third that of glFrustum, the fourth that of glOrtho (OpenGL 2.1 reference pages); with z in [0, 1] they are Direct3D's
-/// D3DXMatrixPerspectiveFovRH, …OffCenterRH and D3DXMatrixOrthoOffCenterRH, transposed.
+/// `D3DXMatrixPerspectiveFovRH`, `…OffCenterRH` and `D3DXMatrixOrthoOffCenterRH`, transposed.
 ///
 /// *Accuracy*: the elements are correct to 3 ulp. A point images through matrix and viewport where the collinearity
 /// equations put it, to a few ulp of the window's width.

@@ -5,13 +5,13 @@
 //!
 //! | Function                      | from               | matrix                                   | Source |
 //! |-------------------------------|--------------------|------------------------------------------|--------|
-//! | [`eye_linear`]                | new camera's axes  | T_old V_old V_new⁻¹                      | \[H\] method 1 |
-//! | [`object_linear`]             | object = world     | T_old V_old                              | \[H\] method 2 |
-//! | [`object_linear_with_model`]  | object             | T_old V_old · world_from_object          | \[H\] method 3 |
+//! | [`eye_linear`]                | new camera's axes  | `T_old V_old V_new⁻¹`                    | \[H\] method 1 |
+//! | [`object_linear`]             | object = world     | `T_old V_old`                            | \[H\] method 2 |
+//! | [`object_linear_with_model`]  | object             | `T_old V_old world_from_object`          | \[H\] method 3 |
 //! | [`missing_q`]                 | old image and old w | –                                       | \[H\] |
-//! | [`light_from_clip`]           | new clip           | light_from_world · clip_from_world⁻¹     | \[S\] eq. 5 |
+//! | [`light_from_clip`]           | new clip           | `light_from_world clip_from_world⁻¹`     | \[S\] eq. 5 |
 //!
-//! T_old = [`bias`] · P_old, or [`texture_from_clip`] · P_old. \[H\] Hoff, *Understanding Projective Textures* (1998); \[S\]
+//! `T_old` is [`bias`] or [`texture_from_clip`] times `P_old`, the old camera's projection. \[H\] Hoff, *Understanding Projective Textures* (1998); \[S\]
 //! Segal, Korobkin, van Widenfelt, Foran & Haeberli, *Fast Shadows and Lighting Effects Using Texture Mapping* (1992).
 //!
 //! The coordinates are linear over a triangle in space, so (s, t, r, q)/w is linear on the new screen, and the texture is read
