@@ -26,8 +26,8 @@ fn near(got: [f64; 3], printed: [f64; 3], tolerance: f64) {
     }
 }
 
-/// One rotation in every convention: R package RSpincalc 1.0.2 (J. Gama; after J. Fuller's SpinCalc and P. de Leva's
-/// SpinConv), demo/testRSpincalc.R. Quaternion scalar first of the passive matrix; then the sequences xyz, yxz, zxz, zyx.
+// One rotation in every convention: R package RSpincalc 1.0.2 (J. Gama; after J. Fuller's SpinCalc and P. de Leva's
+// SpinConv), demo/testRSpincalc.R. Quaternion scalar first of the passive matrix; then the sequences xyz, yxz, zxz, zyx.
 struct Set {
     quaternion: [f64; 4],
     xyz: [f64; 3],
@@ -99,7 +99,7 @@ fn one_rotation_in_every_convention_is_one_matrix() {
     }
 }
 
-/// The same package: the same four numbers read scalar last, with the axis and the angle in degrees it prints for them.
+// The same package: the same four numbers read scalar last, with the axis and the angle in degrees it prints for them.
 #[test]
 fn axis_and_angle_of_a_quaternion_read_scalar_last() {
     let cases = [
@@ -132,7 +132,7 @@ fn axis_and_angle_of_a_quaternion_read_scalar_last() {
     );
 }
 
-/// Unit test of the Python package pure_poser (poser/rotation_converter.py): world_from_photo to four decimals, degrees.
+// Unit test of the Python package pure_poser (poser/rotation_converter.py): world_from_photo to four decimals, degrees.
 #[test]
 fn omega_phi_kappa_of_a_printed_matrix() {
     let printed =
@@ -157,8 +157,8 @@ fn omega_phi_kappa_of_a_printed_matrix() {
     assert!((locked.kappa.to_degrees() - 19.9988).abs() < 0.5e-4);
 }
 
-/// The resection example of Wuhan University's textbook Photogrammetry: with its six computed values the collinearity
-/// equations return the measured coordinates (mm) of its four points; the largest residual of the adjustment is 6.5 µm.
+// The resection example of Wuhan University's textbook Photogrammetry: with its six computed values the collinearity
+// equations return the measured coordinates (mm) of its four points; the largest residual of the adjustment is 6.5 µm.
 #[test]
 fn phi_omega_kappa_images_the_points_of_the_wuhan_resection() {
     let points = [
@@ -176,7 +176,7 @@ fn phi_omega_kappa_images_the_points_of_the_wuhan_resection() {
     }
 }
 
-/// MathWorks' pages: angle2dcm (Aerospace Toolbox), dcm2angle with 14 decimals, se3.eul (the transpose).
+// MathWorks' pages: angle2dcm (Aerospace Toolbox), dcm2angle with 14 decimals, se3.eul (the transpose).
 #[test]
 fn yaw_pitch_roll_of_printed_matrices() {
     let m = YawPitchRoll { yaw: PI / 4.0, pitch: PI / 3.0, roll: PI / 8.0 }.body_from_ned();
@@ -200,7 +200,7 @@ fn yaw_pitch_roll_of_printed_matrices() {
     );
 }
 
-/// MathWorks' dcm2quat: the matrix between ENU and NED axes is the quaternion (0, √½, √½, 0).
+// MathWorks' dcm2quat: the matrix between ENU and NED axes is the quaternion (0, √½, √½, 0).
 #[test]
 fn quaternion_of_half_turns() {
     let q = Quaternion::from_rotation(&ned_from_enu());
@@ -212,7 +212,7 @@ fn quaternion_of_half_turns() {
     close(&r, [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], 4e-16);
 }
 
-/// SciPy's documentation of Rotation.from_rotvec and from_quat (scalar last there).
+// SciPy's documentation of Rotation.from_rotvec and from_quat (scalar last there).
 #[test]
 fn rotation_vectors_of_quarter_turns() {
     let r = RotationVector { x: 0.0, y: 0.0, z: FRAC_PI_2 }.rotation();
@@ -223,8 +223,8 @@ fn rotation_vectors_of_quarter_turns() {
     close(&r, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]], 3e-16);
 }
 
-/// Pix4D, support article 202558969: yaw 0, 90, 270 with a nadir camera put north, east, west at the top of the image;
-/// at pitch 90 the camera looks forward.
+// Pix4D, support article 202558969: yaw 0, 90, 270 with a nadir camera put north, east, west at the top of the image;
+// at pitch 90 the camera looks forward.
 #[test]
 fn a_nadir_camera_follows_the_heading_of_its_aircraft() {
     let camera = |yaw: f64, pitch: f64| {
@@ -251,8 +251,8 @@ fn a_nadir_camera_follows_the_heading_of_its_aircraft() {
     }
 }
 
-/// CIRN's CIRNangles2R (Bruder & Brodie 2020) builds camera_from_world (z forward) from azimuth, tilt, swing by these
-/// elements; evaluated with Python 3 for azimuth 2.1, tilt 1.3, swing 0.2.
+// CIRN's CIRNangles2R (Bruder & Brodie 2020) builds camera_from_world (z forward) from azimuth, tilt, swing by these
+// elements; evaluated with Python 3 for azimuth 2.1, tilt 1.3, swing 0.2.
 #[test]
 fn azimuth_tilt_swing_is_also_the_coastal_convention() {
     let m = AzimuthTiltSwing { azimuth: 2.1, tilt: 1.3, swing: 0.2 }.photo_from_world();
@@ -346,8 +346,8 @@ fn what_is_no_rotation_is_refused_with_its_number() {
     assert!(vector.rotation().matrix().iter().all(|e| e.is_nan()));
 }
 
-/// The nearest rotation is the one a singular value decomposition gives (numpy 2.4.6: U Vᵀ of the printed matrix of
-/// pure_poser).
+// The nearest rotation is the one a singular value decomposition gives (numpy 2.4.6: U Vᵀ of the printed matrix of
+// pure_poser).
 #[test]
 fn orthonormalised_is_the_polar_factor() {
     let printed =
@@ -365,7 +365,7 @@ const POLAR: [[f64; 3]; 3] = [
     [-0.3134045337638204, 0.223597280862956, 0.9229202859440111],
 ];
 
-/// Near the lock as often as away from it.
+// Near the lock as often as away from it.
 fn angle() -> impl Strategy<Value = f64> {
     let exact = prop_oneof![Just(0.0), Just(FRAC_PI_2), Just(-FRAC_PI_2), Just(PI), Just(-PI)];
     let tiny = (-18i32..-1, -1.0..1.0f64).prop_map(|(e, m)| m * 10f64.powi(e));

@@ -20,6 +20,7 @@ fn vector(range: f64) -> impl Strategy<Value = [f64; 3]> {
     [-range..range, -range..range, -range..range]
 }
 
+#[allow(clippy::unwrap_used, reason = "a helper of tests")]
 fn texture_from_camera(fov: f64, aspect: f64) -> Matrix4<f64> {
     let depth = DepthRange::new(0.5, 100.0).unwrap();
     let view = Projection::from_field_of_view(fov, aspect, depth).unwrap();
@@ -61,7 +62,7 @@ proptest! {
         prop_assert!((second * object - third).norm() > 1e-3);
     }
 
-    /// [S] eq. 5 against both matrices applied to the world.
+    // [S] eq. 5 against both matrices applied to the world.
     #[test]
     fn light_coordinates_from_clip_are_those_from_the_world(
         viewer in (vector(3.0), vector(20.0)), light in (vector(3.0), vector(20.0)), fov in 0.3..2.5f64,
@@ -108,8 +109,8 @@ proptest! {
     }
 }
 
-/// A wall seen by an old camera and by a new one. Screen points between two vertices of the wall are followed by hand: the ray
-/// from the new eye, where it meets the wall, and that point in the old image.
+// A wall seen by an old camera and by a new one. Screen points between two vertices of the wall are followed by hand: the ray
+// from the new eye, where it meets the wall, and that point in the old image.
 #[test]
 fn interpolated_with_the_missing_q_a_photograph_follows_its_rays() {
     // Pinholes x = 500 X/Z, both with world axes; the old one at the origin, the new one at (4, −1, −2), turned about y so that
@@ -163,7 +164,7 @@ fn interpolated_with_the_missing_q_a_photograph_follows_its_rays() {
     assert!(linear > 5.0 && without_q > 5.0 && inverse_q > 5.0, "{linear} {without_q} {inverse_q}");
 }
 
-/// The texture's corners are the view's: \[H\]'s with t up, the image's with t down, for every convention.
+// The texture's corners are the view's: \[H\]'s with t up, the image's with t down, for every convention.
 #[test]
 fn the_half_matrices_cover_the_picture() {
     let depth = DepthRange::new(1.0, 9.0).unwrap();
@@ -200,7 +201,7 @@ fn the_half_matrices_cover_the_picture() {
     assert!((t.x - 10.0 / 80.0).abs() < 1e-15 && (t.y - (1.0 - 45.0 / 50.0)).abs() < 1e-15);
 }
 
-/// In map coordinates of 10⁶ m method 1 keeps 10⁻⁹ of a picture's width, since the two poses are combined first.
+// In map coordinates of 10⁶ m method 1 keeps 10⁻⁹ of a picture's width, since the two poses are combined first.
 #[test]
 fn eye_linear_keeps_its_digits_in_map_coordinates() {
     let texture = texture_from_camera(1.0, 1.0);

@@ -156,14 +156,14 @@ pub fn missing_q(texture: &Point2<f64>, w: f64) -> Result<Vector3<f64>, Projecti
 /// Qˡ = M Q,    M = M_l M_c⁻¹        M_l = light_from_world, M_c = clip_from_world
 /// ```
 ///
-/// M_l takes the world to the light's homogeneous coordinates, the slide's perspective included, so that xᵗ = xˡ/wˡ. M is
+/// `M_l` takes the world to the light's homogeneous coordinates, the slide's perspective included, so that xᵗ = xˡ/wˡ. M is
 /// projective in general: its last row need not be (0, 0, 0, 1), and wˡ may change sign where w does not.
 ///
-/// *Accuracy*: the relative error of M is ε times the condition of M_c, about far/near, and times (distance of the origin)/(near)
+/// *Accuracy*: the relative error of M is ε times the condition of `M_c`, about far/near, and times (distance of the origin)/(near)
 /// where the world's origin is far away. Move the origin near the scene first.
 ///
 /// # Errors
-/// [`Error::NotFinite`], and [`Error::Degenerate`] where M_c is singular; the measure is its smallest pivot over the largest, rows
+/// [`Error::NotFinite`], and [`Error::Degenerate`] where `M_c` is singular; the measure is its smallest pivot over the largest, rows
 /// and columns scaled to one.
 #[doc(alias("shadow map", "slide projector"))]
 pub fn light_from_clip(

@@ -19,7 +19,7 @@ const AXES: sequence::Axes = [2, 0, 2];
 ///
 /// The elements are those of B. A. Dewitt's program 3DCONF (1998), the implementation of Dewitt, *Initial
 /// approximations for the three-dimensional conformal coordinate transformation*, PE&RS 62 (1996). M is
-/// photo_from_world in the photogrammetric system (x right, y up, looking along −z). The camera_from_world of the coastal
+/// `photo_from_world` in the photogrammetric system (x right, y up, looking along −z). The `camera_from_world` of the coastal
 /// imaging toolbox CIRN (Bruder & Brodie 2020) is [`camera_from_photo`](super::camera_from_photo) · M, with the same angles.
 ///
 /// The principal plane holds the optical axis and the vertical. Angles are radians. A NaN or infinite angle gives a

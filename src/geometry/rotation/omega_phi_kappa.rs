@@ -15,8 +15,8 @@ const AXES: sequence::Axes = [0, 1, 2];
 ///                        ⎝   0     0    1 ⎠ ⎝ sinφ  0   cosφ ⎠ ⎝ 0  −sinω   cosω ⎠
 /// ```
 ///
-/// M is photo_from_world, from the world (X east, Y north, Z up) into the photogrammetric system (x right, y up,
-/// looking along −z). It is the M of Wolf & Dewitt and of Mikhail, Bethel & McGlone. Its transpose, world_from_photo, is
+/// M is `photo_from_world`, from the world (X east, Y north, Z up) into the photogrammetric system (x right, y up,
+/// looking along −z). It is the M of Wolf & Dewitt and of Mikhail, Bethel & McGlone. Its transpose, `world_from_photo`, is
 /// the R of Kraus, of PATB and of Pix4D, with the same three angles.
 ///
 /// Angles are radians. A NaN or infinite angle gives a matrix with NaN in it.

@@ -17,7 +17,7 @@ const AXES: sequence::Axes = [1, 0, 2];
 /// c₁ = sinφ cosκ + cosφ sinω sinκ    c₂ = −sinφ sinκ + cosφ sinω cosκ    c₃ = cosφ cosω
 /// ```
 ///
-/// R has the rows a, b, c and is world_from_photo (X = R x); [`photo_from_world`](Self::photo_from_world) is its
+/// R has the rows a, b, c and is `world_from_photo` (X = R x); [`photo_from_world`](Self::photo_from_world) is its
 /// transpose. φ has the sign opposite to the φ of [`OmegaPhiKappa`](super::OmegaPhiKappa): it is positive from Z towards −X,
 /// which makes Rᵀ = R₃(κ) R₁(ω) R₂(−φ).
 ///
@@ -76,7 +76,7 @@ impl PhiOmegaKappa {
         Self { phi: sequence::opposite(turn), omega, kappa }
     }
 
-    /// The matrix whose columns are the left rotation vectors of a unit change of φ, ω, κ: with M = photo_from_world,
+    /// The matrix whose columns are the left rotation vectors of a unit change of φ, ω, κ: with M = `photo_from_world`,
     /// δM = [δθ]× M and δθ = J (δφ, δω, δκ)ᵀ. Singular where cos ω = 0.
     #[must_use]
     pub fn left_from_angles(&self) -> Matrix3<f64> {

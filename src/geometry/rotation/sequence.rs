@@ -13,7 +13,7 @@ const LOCK: f64 = f64::EPSILON;
 /// The three axes of a sequence, 0 = x, 1 = y, 2 = z, in the order in which they turn.
 pub(super) type Axes = [usize; 3];
 
-/// M = R_c(θ₃) R_b(θ₂) R_a(θ₁), each R a turn of the axes: R₁(θ) = (1 0 0; 0 cos sin; 0 −sin cos) and cyclic.
+/// `M = R_c(θ₃) R_b(θ₂) R_a(θ₁)`, each R a turn of the axes: R₁(θ) = (1 0 0; 0 cos sin; 0 −sin cos) and cyclic.
 /// The turns come as (sine, cosine).
 pub(super) fn matrix<S: Scalar>(axes: Axes, turns: [(S, S); 3]) -> [[S; 3]; 3] {
     let unit = |i, j| S::constant(if i == j { 1.0 } else { 0.0 });
@@ -42,7 +42,7 @@ pub(super) fn left(axes: Axes, turns: [(f64, f64); 3]) -> Matrix3<f64> {
     -Matrix3::from_columns(&[after_first * unit(a), after_second * unit(b), unit(c)])
 }
 
-/// The angles of M = R_c(θ₃) R_b(θ₂) R_a(θ₁) for three different axes, θ₂ in [−π/2, π/2].
+/// The angles of `M = R_c(θ₃) R_b(θ₂) R_a(θ₁)` for three different axes, θ₂ in [−π/2, π/2].
 ///
 /// θ₃ is read from M with the first turn undone, not from M itself: near gimbal lock θ₁ is known badly, and θ₃ then
 /// makes good what θ₁ got wrong. In lock θ₁ is zero. NaN where an element is NaN or infinite.
