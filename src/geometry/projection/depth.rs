@@ -80,16 +80,18 @@ impl DepthRange {
         if self.far == f64::INFINITY {
             return [at_far, (at_near - at_far) * self.near];
         }
-        // far/(far − near) before anything else, so that a product of the two cannot overflow.
-        let far = self.far / (self.far - self.near);
-        let near = self.near / (self.far - self.near);
-        [at_far * far - at_near * near, (at_near - at_far) * self.near * far]
+        let length = self.far - self.near;
+        // The ends are −1, 0 or 1, so that only sums, quotients and the last product round.
+        [
+            (at_far * self.far - at_near * self.near) / length,
+            (at_near - at_far) * self.near * (self.far / length),
+        ]
     }
 
     /// (α, β) of `z_ndc = α Z + β`, which is `ends` at near and far.
     pub(super) fn orthographic(&self, ndc: [f64; 2]) -> [f64; 2] {
         let [at_near, at_far] = self.ends(ndc);
         let length = self.far - self.near;
-        [(at_far - at_near) / length, at_near * (self.far / length) - at_far * (self.near / length)]
+        [(at_far - at_near) / length, (at_near * self.far - at_far * self.near) / length]
     }
 }
