@@ -5,5 +5,8 @@ mod contracts;
 mod geodetic;
 mod homography;
 mod plane_map;
+mod projection;
+mod rotation;
 mod support;
+mod texture_matrices;
 mod texturer;
