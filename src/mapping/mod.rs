@@ -7,6 +7,7 @@
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
 mod row;
+pub mod span;
 
 use core::fmt::Debug;
 use core::ops::Range;
