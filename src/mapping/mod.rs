@@ -6,6 +6,9 @@
 //!
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
+mod affine;
+pub mod perspective_bilinear;
+pub mod polynomial;
 mod row;
 pub mod span;
 

@@ -158,9 +158,8 @@ impl<const N: usize> ConstantDepthLines<N> {
             };
             let centre = Twofold::new(f64::from(line) + 0.5);
             let [_, _, r2] = self.denominator;
-            let at_zero = |[c, _, minor]: [f64; 3]| {
-                (Twofold::new(c) + Twofold::new(minor) * centre).round()
-            };
+            let at_zero =
+                |[c, _, minor]: [f64; 3]| (Twofold::new(c) + Twofold::new(minor) * centre).round();
             let depth = at_zero(self.denominator);
             let reach = r2.abs() * HALF;
             if depth <= -reach {
@@ -177,9 +176,8 @@ impl<const N: usize> ConstantDepthLines<N> {
                     }
                 } else {
                     let centre = f64::from(x) + 0.5;
-                    let values: [f64; N] = core::array::from_fn(|k| {
-                        (start[k] + steps[k] * centre) * reciprocal
-                    });
+                    let values: [f64; N] =
+                        core::array::from_fn(|k| (start[k] + steps[k] * centre) * reciprocal);
                     emit(x, line + o, values);
                 }
             }
@@ -217,7 +215,8 @@ impl<const N: usize> ConstantDepthLines<N> {
         let (xs, ys) = (centres(&majors), centres(&minors));
         let [r0, r1, r2] = self.denominator;
         let far = |c: [f64; 2]| c[0].abs().max(c[1].abs());
-        let size = |[c, p1, p2]: [f64; 3]| c.abs() + p1.abs() * far(xs) + p2.abs() * (far(ys) + 1.0);
+        let size =
+            |[c, p1, p2]: [f64; 3]| c.abs() + p1.abs() * far(xs) + p2.abs() * (far(ys) + 1.0);
         let depth_error = 4.0 * f64::EPSILON * size(self.denominator);
         let corner = |x: f64, y: f64| {
             (Twofold::new(r0)

@@ -185,9 +185,8 @@ impl<const N: usize> Span<N> {
     ) -> Result<Self, Error> {
         let y = Twofold::new(f64::from(line) + 0.5);
         let row = |[p0, p1, p2]: [f64; 3]| {
-            let at_zero = Twofold::new(p0)
-                + Twofold::new(p1) * Twofold::new(0.5)
-                + Twofold::new(p2) * y;
+            let at_zero =
+                Twofold::new(p0) + Twofold::new(p1) * Twofold::new(0.5) + Twofold::new(p2) * y;
             [at_zero.round(), p1]
         };
         Self::new(numerators.map(row), row(denominator))
