@@ -1,4 +1,5 @@
 //! Nanoseconds a pixel by form of span: two attributes over a row of 1,920 pixels.
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
 use std::hint::black_box;
 

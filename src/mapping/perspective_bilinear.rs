@@ -1,4 +1,8 @@
 //! A texture stretched bilinearly over a quadrilateral in space, seen in perspective.
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "a comparison that must fail for NaN is written negated"
+)]
 
 use nalgebra::{Matrix2, Point2, Vector3};
 
@@ -24,7 +28,7 @@ use crate::numeric::twofold::Twofold;
 /// parallelogram carries the texture with its bilinear bend, unlike the homography of its corners.
 ///
 /// *Which root.* A ray can meet the bilinear patch twice. Of the points in the texture's rectangle (to 10⁻⁹ of its
-/// sides) and in front of the eye (h_w > 0) it is the one nearer to the eye, the smaller h_w.
+/// sides) and in front of the eye (`h_w` > 0) it is the one nearer to the eye, the smaller `h_w`.
 ///
 /// *Frames.* Screen and texture in pixels from their top-left corners; w in the units of the corners, growing with
 /// depth.
@@ -89,7 +93,7 @@ impl PerspectiveBilinear {
                 });
             }
         }
-        if let Some(side) = texture_size.iter().find(|s| !(**s > 0.0)) {
+        if let Some(side) = texture_size.iter().find(|s| **s <= 0.0) {
             return Err(Error::OutOfRange {
                 what: "texture side",
                 value: *side,
@@ -112,7 +116,7 @@ impl PerspectiveBilinear {
         if !(origin[0].is_finite() && origin[1].is_finite()) {
             return Err(Error::NotFinite { what: "screen position of a quad corner" });
         }
-        // h_x − x₀ w: the corner relative to the origin, rounded once.
+        // hₓ − x₀ w: the corner relative to the origin, rounded once.
         let relative =
             |h: f64, o: f64, w: f64| (Twofold::new(h) - Twofold::new(o) * Twofold::new(w)).round();
         let h =
@@ -144,7 +148,7 @@ impl PerspectiveBilinear {
     /// The screen point of a texture point, inside the texture or not.
     ///
     /// # Errors
-    /// [`ProjectionError::BehindCamera`] where h_w ≤ 0, and [`ProjectionError::NotFinite`].
+    /// [`ProjectionError::BehindCamera`] where `h_w` ≤ 0, and [`ProjectionError::NotFinite`].
     pub fn screen_from_texture(
         &self,
         texture: &Point2<f64>,
@@ -228,8 +232,8 @@ impl Map for PerspectiveBilinear {
         Ok(Point2::new(s * self.size[0], t * self.size[1]))
     }
 
-    /// By implicit differentiation of the two equations: ∂(s, t)/∂(x, y) = h_w M⁻¹ with
-    /// M = ∂(h_x − x h_w, h_y − y h_w)/∂(s, t).
+    /// By implicit differentiation of the two equations: `∂(s, t)/∂(x, y) = h_w M⁻¹` with
+    /// `M = ∂(h_x − x h_w, h_y − y h_w)/∂(s, t)`.
     ///
     /// # Errors
     /// As [`at`](Self::at), and [`ProjectionError::OutsideDomain`] with value and limit 0 on the silhouette, where M

@@ -1,4 +1,5 @@
 //! Laws of the polynomial maps of table 2, and of the bilinear map seen in perspective.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
 use collinear::geometry::Affine2;
 use collinear::mapping::Map;
@@ -106,7 +107,6 @@ fn folded_and_degenerate_quads_are_refused() {
     ));
     assert!(matches!(quad([(1.0, 1.0); 4]), Err(Error::FoldedQuad { .. })));
     assert!(matches!(quad([(f64::NAN, 1.0); 4]), Err(Error::NotFinite { .. })));
-    // A map that folds: x = X, y = XY − X ... two preimages or none.
     let fold = Bilinear::from_coefficients([0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]).unwrap();
     // x = X + Y, y = XY: X and Y are the roots of z² − x z + y; none real where y > x²/4.
     let [Some(a), Some(b)] = fold.roots(&Point2::new(3.0, 2.0)).unwrap() else { panic!("two") };

@@ -12,6 +12,11 @@
 //! its half sides, so map coordinates of 10⁶ keep their millimetres.
 //!
 #![doc = include_str!("../../../docs/figures/polynomial.svg")]
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "a comparison that must fail for NaN is written negated"
+)]
+#![allow(clippy::needless_range_loop, reason = "parallel arrays are walked by one index")]
 
 mod bilinear;
 mod fit;
@@ -28,7 +33,7 @@ use super::Map;
 use crate::error::{Error, ProjectionError};
 use crate::numeric::scalar::Scalar;
 
-/// The exponents (i, j) of the terms XⁱYʲ, in the order of table 2.
+/// The exponents (i, j) of the terms `XⁱYʲ`, in the order of table 2.
 const EXPONENTS: [(usize, usize); 10] =
     [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2), (2, 1), (1, 2), (3, 0), (0, 3)];
 

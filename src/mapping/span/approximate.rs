@@ -98,8 +98,8 @@ impl Approximation {
 
     /// The longest run, a power of two, that keeps every attribute within `tolerance` on the valid pixels of `range`.
     ///
-    /// A run of one pixel, which is exact, where no longer one does: near the horizon, and for a tolerance that is
-    /// negative or NaN.
+    /// A run of one pixel, which is exact, where no longer one does: for a row that comes near the horizon, where a
+    /// longer run would be evaluated exactly anyway, and for a tolerance that is negative or NaN.
     #[must_use]
     pub fn for_tolerance<const N: usize>(
         span: &Span<N>,
@@ -107,16 +107,19 @@ impl Approximation {
         tolerance: f64,
         degree: Degree,
     ) -> Self {
+        let valid = span.valid_interval(range.clone());
         let mut run = Self::MAX_RUN;
-        while run > 1 {
+        while run > 1 && !valid.is_empty() {
             let approximation = Self { degree, run };
             let bound = approximation.error_bound(span, range.clone());
-            if bound.iter().all(|b| *b <= tolerance) {
+            let approximated = [valid.start, valid.end - 1]
+                .map(|x| approximation.nodes(span, approximation.start_of_run(x)).is_some());
+            if approximated == [true; 2] && bound.iter().all(|b| *b <= tolerance) {
                 return approximation;
             }
             run /= 2;
         }
-        Self { degree, run }
+        Self { degree, run: 1 }
     }
 
     /// The polynomials' degree.

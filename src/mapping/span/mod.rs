@@ -23,6 +23,11 @@
 //! pixel.
 //!
 #![doc = include_str!("../../../docs/figures/span.svg")]
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "a comparison that must fail for NaN is written negated"
+)]
+#![allow(clippy::needless_range_loop, reason = "parallel arrays are walked by one index")]
 
 mod approximate;
 mod constant_depth;
