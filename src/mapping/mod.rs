@@ -7,8 +7,13 @@
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
 mod affine;
+mod cantrell;
+mod compose;
+mod fractional_linear;
 pub mod perspective_bilinear;
 pub mod polynomial;
+mod row;
+pub mod span;
 mod row;
 pub mod span;
 
@@ -17,6 +22,9 @@ use core::ops::Range;
 
 use nalgebra::{Matrix2, Point2};
 
+pub use cantrell::CantrellPlane;
+pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
+pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};
 
 use crate::error::ProjectionError;

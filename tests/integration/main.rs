@@ -1,3 +1,4 @@
 //! All integration tests of the library: one binary, a file for each subject.
+mod contracts;
 mod polynomial;
 mod span;
