@@ -14,8 +14,6 @@ pub mod perspective_bilinear;
 pub mod polynomial;
 mod row;
 pub mod span;
-mod row;
-pub mod span;
 
 use core::fmt::Debug;
 use core::ops::Range;
