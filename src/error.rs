@@ -67,6 +67,16 @@ pub enum Error {
         /// The domain, in words.
         expected: &'static str,
     },
+    /// A grid has no value here: the cell is void.
+    #[error("{what} has no value at row {row}, column {column}")]
+    NoData {
+        /// Which grid.
+        what: &'static str,
+        /// Row of the void node.
+        row: usize,
+        /// Column of the void node.
+        column: usize,
+    },
     /// Fewer points than the unknowns need.
     #[error("{got} points given, {needed} needed")]
     TooFewPoints {

@@ -5,6 +5,8 @@
 
 use core::ops::{Add, Mul, Neg, Sub};
 
+use super::float;
+
 /// The unevaluated sum high + low, |low| ≤ ½ ulp(high).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Twofold {
@@ -36,7 +38,27 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
 }
 
+/// a d − b c, to a relative error of two roundings however far it cancels.
+#[inline]
+pub(crate) fn determinant(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let ((p, e), (q, f)) = (two_product(a, d), two_product(b, c));
+    (p - q) + (e - f)
+}
+
 impl Twofold {
+    /// a − b, exactly.
+    #[inline]
+    pub(crate) fn difference(a: f64, b: f64) -> Self {
+        let (high, low) = two_sum(a, -b);
+        Self { high, low }
+    }
+
+    /// Times a power of two, exactly.
+    #[inline]
+    pub(crate) fn scale(self, power: f64) -> Self {
+        Self { high: self.high * power, low: self.low * power }
+    }
+
     /// An exact float.
     pub(crate) fn new(value: f64) -> Self {
         Self { high: value, low: 0.0 }
@@ -52,6 +74,17 @@ impl Twofold {
         let q = self.high / other.high;
         let rest = self - other * Self::new(q);
         let (high, low) = two_sum(q, rest.high / other.high);
+        Self { high, low }
+    }
+
+    /// The square root of a number that is not negative, to about 30 digits: one correction of the float root.
+    pub(crate) fn sqrt(self) -> Self {
+        let root = float::sqrt(self.high);
+        if root == 0.0 {
+            return Self::new(0.0);
+        }
+        let rest = self - Self::new(root) * Self::new(root);
+        let (high, low) = two_sum(root, rest.high / (2.0 * root));
         Self { high, low }
     }
 }
@@ -103,5 +136,7 @@ mod tests {
         // 1/3 to 30 digits: 3 · (1/3) − 1 vanishes to 2⁻¹⁰⁰.
         let third = Twofold::new(1.0).div(Twofold::new(3.0));
         assert!((Twofold::new(3.0) * third - Twofold::new(1.0)).round().abs() < 1e-30);
+        let root = Twofold::new(2.0).sqrt();
+        assert!((root * root - Twofold::new(2.0)).round().abs() < 1e-30);
     }
 }
