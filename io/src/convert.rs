@@ -1,0 +1,1 @@
+//! Files to the library's types.
