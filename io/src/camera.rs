@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::check::{all_in_range, determinant, dot, finite, in_range, norm};
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
 use crate::json::Document;
+use crate::json::object::Object;
 
 /// How far a quaternion's length or a matrix's R Rᵀ may be off: numbers printed with four digits pass, a mistaken one
 /// does not.
@@ -47,7 +48,7 @@ pub struct CameraFile {
 
 /// From camera axes (x right, y down, z forward) to pixels from the top-left corner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RawInterior", into = "RawInterior")]
+#[serde(try_from = "Object<RawInterior>", into = "RawInterior")]
 pub enum Interior {
     /// A central perspective.
     Pinhole {
@@ -82,7 +83,7 @@ pub enum Interior {
 
 /// From world to camera axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RawExterior", into = "RawExterior")]
+#[serde(try_from = "Object<RawExterior>", into = "RawExterior")]
 pub struct Exterior {
     /// World coordinates.
     pub projection_center: [f64; 3],
@@ -222,10 +223,10 @@ struct RawInterior {
     p: Option<[f64; 2]>,
 }
 
-impl TryFrom<RawInterior> for Interior {
+impl TryFrom<Object<RawInterior>> for Interior {
     type Error = String;
 
-    fn try_from(raw: RawInterior) -> Result<Self, String> {
+    fn try_from(Object(raw): Object<RawInterior>) -> Result<Self, String> {
         let model = raw.model;
         let name = match model {
             Model::Pinhole => "pinhole",
@@ -313,10 +314,10 @@ struct RawExterior {
     rotation_matrix: Option<[[f64; 3]; 3]>,
 }
 
-impl TryFrom<RawExterior> for Exterior {
+impl TryFrom<Object<RawExterior>> for Exterior {
     type Error = String;
 
-    fn try_from(raw: RawExterior) -> Result<Self, String> {
+    fn try_from(Object(raw): Object<RawExterior>) -> Result<Self, String> {
         let rotation = match (raw.quaternion_wxyz, raw.omega_phi_kappa, raw.rotation_matrix) {
             (Some(q), None, None) => Rotation::QuaternionWxyz(q),
             (None, Some(a), None) => Rotation::OmegaPhiKappa(a),

@@ -3,9 +3,9 @@
 mod formatter;
 mod header;
 mod message;
+pub(crate) mod object;
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;

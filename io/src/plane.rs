@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::{cross, dot, finite, in_range, norm, unit};
 use crate::error::{FieldError, FieldProblem};
-use crate::json::Document;
+use crate::json::{Document, object};
 
 /// A plane whose normal is within this angle of ±Z is horizontal: "up" on it is +Y, as on a map. One degree, in radians.
 const HORIZONTAL: f64 = 0.017_453_292_519_943_295;
@@ -38,7 +38,11 @@ pub struct PlaneFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// The part of the plane to show.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "object::optional"
+    )]
     pub rectangle: Option<Rectangle>,
 }
 

@@ -6,7 +6,6 @@
 //! semicolons, tabs or spaces, whichever the first line has, in that order of preference: tab, semicolon, comma, space.
 //! Empty lines and lines that start with `#` are passed over.
 
-use std::io::Write;
 use std::path::Path;
 
 use crate::atomic::write_atomically;

@@ -15,7 +15,7 @@ pub use polygon::{Fill, Polygon, TexturePoint};
 use crate::camera::{CameraFile, Interior};
 use crate::check::{in_range, norm};
 use crate::error::{Error, FieldError, FieldProblem};
-use crate::json::Document;
+use crate::json::{Document, object};
 
 /// The near distance, where the file gives none, as a part of the distance to the farthest vertex.
 const NEAR: f64 = 1e-3;
@@ -25,10 +25,10 @@ const NEAR: f64 = 1e-3;
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// The photographs that polygons may show.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "object::list")]
     pub photographs: Vec<Photograph>,
     /// The pictures that polygons may show by coordinates at their vertices.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "object::list")]
     pub textures: Vec<Texture>,
     /// What is to be seen.
     pub polygons: Vec<Polygon>,

@@ -7,6 +7,7 @@ use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde::{Deserialize as DeriveDeserialize, Serialize};
 
+use super::object::Object;
 use crate::error::{Error, ErrorKind};
 
 const KIND: &str = "collinear";
@@ -20,7 +21,7 @@ struct Header {
 
 /// Refuses text that is no document of this kind and version.
 pub(super) fn check(text: &str, kind: &'static str, version: u64) -> Result<(), Error> {
-    let header: Header = super::from_text(text)?;
+    let Object(header) = super::from_text::<Object<Header>>(text)?;
     match header.collinear {
         None => Err(ErrorKind::NotOurs { expected: kind, version }.into()),
         Some(found) if found != kind => Err(ErrorKind::WrongKind { expected: kind, found }.into()),

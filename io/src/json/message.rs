@@ -53,7 +53,7 @@ fn reword(raw: &str, field: &str) -> String {
         && let Some((name, known)) = rest.split_once('`')
     {
         let known = known.trim_start_matches(", expected ").trim_start_matches("one of ");
-        return format!("unknown field `{name}`{}", advice(name, known));
+        return format!("unknown field{}", advice(name, known));
     }
     if let Some(rest) = raw.strip_prefix("unknown variant ") {
         let (found, expected) = rest.split_once(", expected ").unwrap_or((rest, "another"));
@@ -75,8 +75,8 @@ fn advice(name: &str, known: &str) -> String {
         .min()
         .filter(|(n, k)| *n <= 1 + k.len() / 4);
     match nearest {
-        Some((_, k)) => format!(": did you mean `{k}`?"),
-        None => format!(": remove it, the fields here are {known}"),
+        Some((_, k)) => format!(", did you mean `{k}`?"),
+        None => format!(", remove it: the fields here are {known}"),
     }
 }
 

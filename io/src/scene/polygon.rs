@@ -8,10 +8,11 @@ use serde::{Deserialize as DeriveDeserialize, Serialize as DeriveSerialize};
 
 use crate::check::finite;
 use crate::error::{FieldError, FieldProblem};
+use crate::json::object::Object;
 
 /// A plane polygon of the world and what is on it.
 #[derive(Clone, Debug, PartialEq, DeriveSerialize, DeriveDeserialize)]
-#[serde(try_from = "RawPolygon", into = "RawPolygon")]
+#[serde(try_from = "Object<RawPolygon>", into = "RawPolygon")]
 pub struct Polygon {
     /// Its name, for people and for messages.
     pub name: Option<String>,
@@ -96,10 +97,10 @@ struct RawPolygon {
     color: Option<[u8; 3]>,
 }
 
-impl TryFrom<RawPolygon> for Polygon {
+impl TryFrom<Object<RawPolygon>> for Polygon {
     type Error = String;
 
-    fn try_from(raw: RawPolygon) -> Result<Self, String> {
+    fn try_from(Object(raw): Object<RawPolygon>) -> Result<Self, String> {
         let fill = match (raw.photograph, raw.texture, raw.color) {
             (Some(name), None, None) => Fill::Photograph(name),
             (None, Some(name), None) => {
