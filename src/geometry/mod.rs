@@ -8,7 +8,7 @@ pub mod affine;
 pub mod geodetic;
 pub mod homography;
 mod plane;
-mod pose;
+pub(crate) mod pose;
 pub mod projection;
 mod ray;
 pub mod rotation;
