@@ -91,14 +91,14 @@ pub struct Exterior {
     pub rotation: Rotation,
 }
 
-/// The rotation camera_from_world in the form that the file gives it.
+/// The rotation `camera_from_world` in the form that the file gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
-    /// w, x, y, z of camera_from_world; of length one within 10⁻³.
+    /// w, x, y, z of `camera_from_world`; of length one within 10⁻³.
     QuaternionWxyz([f64; 4]),
     /// ω, φ, κ in radians: R₃(κ) R₂(φ) R₁(ω), from the world to photogrammetric axes (x right, y up, z backwards).
     OmegaPhiKappa([f64; 3]),
-    /// The rows of camera_from_world; orthonormal within 10⁻³.
+    /// The rows of `camera_from_world`; orthonormal within 10⁻³.
     RotationMatrix([[f64; 3]; 3]),
 }
 
@@ -189,7 +189,7 @@ fn check_rotation(field: &str, rows: &[[f64; 3]; 3]) -> Result<(), FieldError> {
         }
     }
     // Entries of 1e200 overflow to infinity or, where infinities meet, to NaN.
-    if !(deviation <= ROTATION_TOLERANCE) {
+    if deviation.is_nan() || deviation > ROTATION_TOLERANCE {
         return Err(FieldError::new(field, FieldProblem::NotARotation { deviation }));
     }
     if determinant(rows) < 0.0 {

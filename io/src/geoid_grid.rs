@@ -1,4 +1,4 @@
-//! Geoid grids in GTX, the format of PROJ and of NOAA's VDatum.
+//! Geoid grids in GTX, the format of PROJ and NOAA.
 //!
 //! A header of 40 bytes, big-endian: latitude and longitude of the south-west node and the two steps, degrees (`f64`);
 //! rows and columns (`i32`). Then the heights, metres (`f32`), row by row from the south, each row from the west.

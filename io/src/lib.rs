@@ -28,7 +28,7 @@
 //! let error = CameraFile::parse(text).unwrap_err();
 //! assert_eq!(
 //!     error.to_string(),
-//!     "interior.principal_point[1]: expected a number, found the string \"240\" (line 3, column 96)"
+//!     "interior.principal_point[1]: expected a number, found the string \"240\" (line 3, column 100)"
 //! );
 //! ```
 

@@ -56,7 +56,11 @@ pub struct PerspectiveCamera {
     pub k2: f64,
 }
 
-/// A photograph of a reconstruction: X_camera = R X_world + t.
+/// A photograph of a reconstruction.
+///
+/// ```text
+/// X_camera = R X_world + t
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
     /// The name of its camera.

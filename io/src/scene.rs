@@ -159,10 +159,10 @@ impl Document for SceneFile {
             p.check().map_err(under)?;
             match &p.fill {
                 Fill::Photograph(name) => {
-                    photographs.find("a photograph", "photograph", name).map_err(under)?
+                    photographs.find("a photograph", "photograph", name).map_err(under)?;
                 }
                 Fill::Texture { name, .. } => {
-                    textures.find("a texture", "texture", name).map_err(under)?
+                    textures.find("a texture", "texture", name).map_err(under)?;
                 }
                 Fill::Color(_) => {}
             }

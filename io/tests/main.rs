@@ -1,6 +1,8 @@
 //! The tests of the files, in one binary.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test panics to fail")]
 
 mod atomic;
+mod convert;
 mod documents;
 mod formats_page;
 mod geoid_grid;

@@ -1,7 +1,11 @@
 //! OpenSfM's reconstructions and tracks.
 
-use collinear_io::camera::{Interior, Rotation};
-use collinear_io::opensfm::{parse_reconstruction, parse_tracks};
+use std::collections::BTreeMap;
+
+use collinear::camera::{BrownCamera, Frame, SensorModel};
+use collinear::nalgebra::{Point2, Point3};
+use collinear_io::camera::{CameraFile, Interior, Rotation};
+use collinear_io::opensfm::{parse_reconstruction, parse_tracks, read_reconstruction, read_tracks};
 use collinear_io::{ErrorKind, FieldProblem};
 
 const TEXT: &str = r#"[{
@@ -118,4 +122,41 @@ fn tracks_of_all_versions_are_read_and_later_ones_refused() {
         assert_eq!(parse_tracks(text).unwrap_err().to_string(), expected);
     }
     assert!(parse_tracks("").unwrap().is_empty());
+}
+
+/// The reprojection of every observation whose point was reconstructed.
+#[test]
+fn the_residuals_of_the_berlin_reconstruction_are_its_own() {
+    let Some(folder) = crate::shared_data("berlin") else { return };
+    let reconstruction =
+        read_reconstruction(&folder.join("reconstruction_example.json"), 0).unwrap();
+    let tracks = read_tracks(&folder.join("tracks_example.csv")).unwrap();
+    let cameras: BTreeMap<&str, (CameraFile, Frame<BrownCamera>)> = reconstruction
+        .shots
+        .keys()
+        .map(|name| {
+            let file = reconstruction.camera(name).unwrap();
+            let frame = file.frame().unwrap();
+            (name.as_str(), (file, frame))
+        })
+        .collect();
+    let mut errors: Vec<f64> = tracks
+        .iter()
+        .filter_map(|seen| {
+            let point = reconstruction.points.get(&seen.track)?;
+            let (file, frame) = &cameras[seen.image.as_str()];
+            let image = frame.project(&Point3::from(point.coordinates)).unwrap();
+            Some((image - Point2::from(seen.pixel(file.width, file.height))).norm())
+        })
+        .collect();
+    assert_eq!((tracks.len(), errors.len()), (3219, 3082));
+    errors.sort_by(f64::total_cmp);
+    let median = (errors[1540] + errors[1541]) / 2.0;
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / 3082.0).sqrt();
+    // oracles/berlin_reprojection.py, from the two files alone: Python 3, numpy 2.4.6.
+    for (got, expected) in
+        [(median, 0.7964399410605569), (rms, 2.46476313951413), (errors[3081], 37.120236472732586)]
+    {
+        assert!((got - expected).abs() < 1e-9, "{got}, {expected}");
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use collinear_io::picture::{
     Limits, Picture, PictureFormat, decode_picture, read_picture, read_picture_within,
@@ -193,13 +194,17 @@ fn a_real_photograph_is_read() {
     assert_eq!(picture.orientation, 1);
 }
 
+/// A PNG and a JPEG, written once.
+static FILES: LazyLock<[Vec<u8>; 2]> =
+    LazyLock::new(|| ["a.png", "a.jpg"].map(|name| file(&ramp(19, 11, 3), name)));
+
 proptest! {
     #[test]
     fn a_damaged_picture_is_an_error_or_a_picture_of_the_stated_size(
         jpeg in any::<bool>(), edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         end in any::<prop::sample::Index>(), cut in any::<bool>(),
     ) {
-        let mut bytes = file(&ramp(19, 11, 3), if jpeg { "a.jpg" } else { "a.png" });
+        let mut bytes = FILES[usize::from(jpeg)].clone();
         for (at, value) in edits {
             let at = at.index(bytes.len());
             bytes[at] = value;
