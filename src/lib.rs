@@ -10,8 +10,16 @@ compile_error!("collinear needs float functions: enable the feature `std` (defau
 pub mod camera;
 pub mod error;
 pub mod geometry;
+#[cfg(feature = "std")]
+pub mod interop;
 pub mod mapping;
 pub mod numeric;
+#[cfg(feature = "std")]
+pub mod resample;
+#[cfg(feature = "std")]
+pub mod texturer;
 
 pub use error::{Error, ProjectionError};
+#[cfg(feature = "std")]
+pub use glam;
 pub use nalgebra;

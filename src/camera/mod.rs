@@ -10,24 +10,24 @@
 //!
 #![doc = include_str!("../../docs/figures/camera.svg")]
 
-// mod collinearity;
-// mod distortion;
-// mod exterior;
-// mod frame;
-// mod homogeneous;
-// mod interior;
-// mod orthographic;
+mod collinearity;
+mod distortion;
+mod exterior;
+mod frame;
+mod homogeneous;
+mod interior;
+mod orthographic;
 
 use core::fmt::Debug;
 
 use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
 
-// pub use distortion::{Brown, BrownCamera, Undistorted};
-// pub use exterior::ExteriorOrientation;
-// pub use frame::Frame;
-// pub use homogeneous::HomogeneousCamera;
-// pub use interior::InteriorOrientation;
-// pub use orthographic::Orthographic;
+pub use distortion::{Brown, BrownCamera, Undistorted};
+pub use exterior::ExteriorOrientation;
+pub use frame::Frame;
+pub use homogeneous::HomogeneousCamera;
+pub use interior::InteriorOrientation;
+pub use orthographic::Orthographic;
 
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Locus, Surface};
@@ -117,8 +117,8 @@ pub struct ParameterGroup {
 /// Parameters come in groups, so that a whole group can be shared between photographs or held. The object point is a
 /// direction in camera axes for a [`CentralModel`] and a world point for a [`SensorModel`].
 pub trait Adjustable {
-    /// The groups, in a fixed order.
-    fn parameter_groups(&self) -> &[ParameterGroup];
+    /// The `group`-th group, in a fixed order; `None` past the last.
+    fn parameter_group(&self, group: usize) -> Option<ParameterGroup>;
 
     /// The current values of a group, written to a slice of its length. For a rotation, which is estimated as a small
     /// vector about the current one, the values are zero.

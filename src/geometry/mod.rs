@@ -8,14 +8,14 @@ pub mod affine;
 pub mod geodetic;
 pub mod homography;
 mod plane;
-mod pose;
+pub(crate) mod pose;
 pub mod projection;
 mod ray;
 pub mod rotation;
 mod surface;
 
 pub use affine::Affine2;
-// pub use homography::Homography;
+pub use homography::Homography;
 pub use plane::{Plane, PlaneFit};
 pub use pose::Pose;
 pub use ray::{HeightCurve, Locus, Ray};

@@ -2,6 +2,14 @@
 
 use nalgebra::{Matrix4, Point3, Rotation3, Vector3};
 
+use crate::numeric::scalar::Scalar;
+
+/// R (X − O).
+pub(crate) fn rotate_about<S: Scalar>(point: [S; 3], origin: [S; 3], rows: [[S; 3]; 3]) -> [S; 3] {
+    let d: [S; 3] = core::array::from_fn(|i| point[i] - origin[i]);
+    rows.map(|r| r[0] * d[0] + r[1] * d[1] + r[2] * d[2])
+}
+
 /// A rigid change of frame, from a `from` frame into a `to` frame.
 ///
 /// ```text
@@ -57,7 +65,13 @@ impl Pose {
     /// A point into the `to` frame.
     #[must_use]
     pub fn apply(&self, from: &Point3<f64>) -> Point3<f64> {
-        Point3::from(self.rotation * (from - self.origin))
+        let r = self.rotation.matrix();
+        let rows = [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]);
+        Point3::from(rotate_about(
+            [from.x, from.y, from.z],
+            [self.origin.x, self.origin.y, self.origin.z],
+            rows,
+        ))
     }
 
     /// A point back into the `from` frame.

@@ -6,6 +6,9 @@
 //!
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
+mod cantrell;
+mod compose;
+mod fractional_linear;
 mod row;
 
 use core::fmt::Debug;
@@ -13,6 +16,9 @@ use core::ops::Range;
 
 use nalgebra::{Matrix2, Point2};
 
+pub use cantrell::CantrellPlane;
+pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
+pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};
 
 use crate::error::ProjectionError;

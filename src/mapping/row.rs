@@ -103,6 +103,30 @@ impl RowCoords {
         self.v.push((v - f64::from(origin[1])) as f32);
     }
 
+    /// Appends the neighbouring pixels from `x` on; as [`push`](Self::push) for each.
+    #[inline]
+    pub fn push_block(&mut self, x: i32, u: &[f64], v: &[f64]) {
+        let (Some(&u0), Some(&v0)) = (u.first(), v.first()) else { return };
+        let origin = [Self::origin(u0), Self::origin(v0)];
+        let limit = Self::COORDINATE_LIMIT;
+        let one_origin = |values: &[f64], origin: i32| {
+            values.iter().all(|&c| c.abs() <= limit && Self::origin(c) == origin)
+        };
+        if !(u.len() == v.len() && one_origin(u, origin[0]) && one_origin(v, origin[1])) {
+            for (x, (&u, &v)) in (x..).zip(u.iter().zip(v)) {
+                self.push(x, u, v);
+            }
+            return;
+        }
+        match self.runs.last_mut() {
+            Some(run) if run.origin == origin && run.x + run.len as i32 == x => run.len += u.len(),
+            _ => self.runs.push(Run { x, start: self.u.len(), len: u.len(), origin }),
+        }
+        let [ou, ov] = origin.map(f64::from);
+        self.u.extend(u.iter().map(|u| (u - ou) as f32));
+        self.v.extend(v.iter().map(|v| (v - ov) as f32));
+    }
+
     /// The multiple of [`BLOCK`](Self::BLOCK) nearest to a coordinate (to within one texel, as the cast truncates).
     #[inline]
     fn origin(coordinate: f64) -> i32 {

@@ -1,2 +1,4 @@
 //! All integration tests of the library: one binary, a file for each subject.
+
+mod contracts;
 mod geodetic;

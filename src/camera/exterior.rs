@@ -1,0 +1,99 @@
+//! Exterior orientation: where the camera stands and how it is turned.
+
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use crate::error::Error;
+use crate::geometry::Pose;
+
+/// Exterior orientation: the projection centre and the rotation camera_from_world.
+///
+/// ```text
+/// X_camera = R (X_world − C)
+/// ```
+///
+/// Camera axes: x right, y down, z forward. Other conventions enter by name: photogrammetric angles by
+/// [`from_omega_phi_kappa`](Self::from_omega_phi_kappa), a rotation and translation of computer vision by
+/// [`from_rotation_translation`](Self::from_rotation_translation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias("extrinsics", "camera pose", "view matrix"))]
+pub struct ExteriorOrientation {
+    pose: Pose,
+}
+
+impl ExteriorOrientation {
+    /// From the projection centre (world units) and camera_from_world.
+    #[must_use]
+    pub fn new(projection_center: Point3<f64>, camera_from_world: Rotation3<f64>) -> Self {
+        Self { pose: Pose::new(camera_from_world, projection_center) }
+    }
+
+    /// From R and t of X_camera = R X_world + t (OpenCV's rvec and tvec, COLMAP's cam_from_world).
+    #[must_use]
+    #[doc(alias("rvec", "tvec", "cam_from_world"))]
+    pub fn from_rotation_translation(rotation: Rotation3<f64>, translation: Vector3<f64>) -> Self {
+        Self { pose: Pose::from_rotation_translation(rotation, translation) }
+    }
+
+    /// A camera at `center` that looks at `target` with the world direction `up` upwards in its picture.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], and [`Error::Degenerate`] where target and centre coincide or `up` lies along the line of
+    /// sight; the measure is the sine of their angle.
+    ///
+    /// ```
+    /// use collinear::camera::ExteriorOrientation;
+    /// use nalgebra::{Point3, Vector3};
+    ///
+    /// // From (10, 0, 10) towards the origin: what lies 1 to the north is 1 to the right.
+    /// let e = ExteriorOrientation::look_at(Point3::new(10.0, 0.0, 10.0), Point3::origin(), Vector3::z())?;
+    /// let p = e.pose().apply(&Point3::new(0.0, 1.0, 0.0));
+    /// assert!((p - Point3::new(1.0, 0.0, 200f64.sqrt())).norm() < 1e-14);
+    /// # Ok::<(), collinear::Error>(())
+    /// ```
+    #[doc(alias("lookAt"))]
+    pub fn look_at(
+        center: Point3<f64>,
+        target: Point3<f64>,
+        up: Vector3<f64>,
+    ) -> Result<Self, Error> {
+        let forward = target - center;
+        let (forward_length, up_length) = (forward.norm(), up.norm());
+        if !(forward_length.is_finite() && up_length.is_finite()) {
+            return Err(Error::NotFinite { what: "look_at" });
+        }
+        let limit = 1e-12;
+        let forward = forward / forward_length;
+        let right = forward.cross(&(up / up_length));
+        let sine = right.norm();
+        if !(sine > limit) {
+            let measure = if sine.is_finite() { sine } else { 0.0 };
+            return Err(Error::Degenerate { what: "look_at directions", measure, limit });
+        }
+        let right = right / sine;
+        let down = forward.cross(&right);
+        let rows = nalgebra::Matrix3::from_rows(&[
+            right.transpose(),
+            down.transpose(),
+            forward.transpose(),
+        ]);
+        Ok(Self::new(center, Rotation3::from_matrix_unchecked(rows)))
+    }
+
+    /// The projection centre, in world units.
+    #[must_use]
+    pub fn projection_center(&self) -> Point3<f64> {
+        self.pose.origin
+    }
+
+    /// R.
+    #[must_use]
+    pub fn camera_from_world(&self) -> Rotation3<f64> {
+        self.pose.rotation
+    }
+
+    /// The whole as a rigid motion, camera_from_world.
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+}

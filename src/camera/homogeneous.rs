@@ -1,0 +1,97 @@
+//! Cameras without lens errors as matrices, perspective and parallel alike.
+
+use nalgebra::{Matrix3x4, Matrix4x3, Point3, Vector3, Vector4};
+
+use super::{ExteriorOrientation, InteriorOrientation};
+use crate::geometry::Affine2;
+
+/// A camera that is linear in homogeneous coordinates.
+///
+/// ```text
+/// (x w, y w, w)ᵀ = M (X − O, 1)ᵀ          image from world, M 3×4
+/// (X − O, 1)ᵀ ∝ B (x, y, 1)ᵀ + μ c        the line of sight, M B = I, M c = 0
+/// ```
+///
+/// O is a point near the camera (its projection centre where it has one) and everything is stated about it, so that map
+/// coordinates of 10⁶ lose nothing. For a perspective camera c = (0, 0, 0, 1) and w is the depth; for a parallel one
+/// c is the viewing direction and w = 1. What a plane and two cameras share
+/// ([`FractionalLinear::from_plane`](crate::mapping::FractionalLinear::from_plane)) is derived from this form alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias("projection matrix", "P matrix", "camera matrix"))]
+pub struct HomogeneousCamera {
+    /// O.
+    pub(crate) origin: Point3<f64>,
+    /// M.
+    pub(crate) image_from_world: Matrix3x4<f64>,
+    /// B.
+    pub(crate) back_projection: Matrix4x3<f64>,
+    /// c.
+    pub(crate) center: Vector4<f64>,
+}
+
+impl HomogeneousCamera {
+    pub(super) fn perspective(
+        exterior: &ExteriorOrientation,
+        interior: &InteriorOrientation,
+    ) -> Self {
+        let rotation = exterior.camera_from_world();
+        let m = interior.matrix() * rotation.matrix();
+        let b = rotation.matrix().transpose() * interior.inverse_matrix();
+        let mut image_from_world = Matrix3x4::zeros();
+        image_from_world.fixed_view_mut::<3, 3>(0, 0).copy_from(&m);
+        let mut back_projection = Matrix4x3::zeros();
+        back_projection.fixed_view_mut::<3, 3>(0, 0).copy_from(&b);
+        Self {
+            origin: exterior.projection_center(),
+            image_from_world,
+            back_projection,
+            center: Vector4::new(0.0, 0.0, 0.0, 1.0),
+        }
+    }
+
+    pub(super) fn orthographic(
+        exterior: &ExteriorOrientation,
+        pixel_from_plane: &Affine2,
+        plane_from_pixel: &Affine2,
+    ) -> Self {
+        let rotation = exterior.camera_from_world();
+        let axes = rotation.matrix().fixed_view::<2, 3>(0, 0).into_owned();
+        let mut image_from_world = Matrix3x4::zeros();
+        image_from_world.fixed_view_mut::<2, 3>(0, 0).copy_from(&(pixel_from_plane.linear * axes));
+        image_from_world.fixed_view_mut::<2, 1>(0, 3).copy_from(&pixel_from_plane.translation);
+        image_from_world[(2, 3)] = 1.0;
+        let mut back_projection = Matrix4x3::zeros();
+        back_projection
+            .fixed_view_mut::<3, 2>(0, 0)
+            .copy_from(&(axes.transpose() * plane_from_pixel.linear));
+        back_projection
+            .fixed_view_mut::<3, 1>(0, 2)
+            .copy_from(&(axes.transpose() * plane_from_pixel.translation));
+        back_projection[(3, 2)] = 1.0;
+        let direction: Vector3<f64> = rotation.inverse() * Vector3::z();
+        Self {
+            origin: exterior.projection_center(),
+            image_from_world,
+            back_projection,
+            center: direction.push(0.0),
+        }
+    }
+
+    /// Whether the projection is parallel: it has no centre, and w = 1.
+    #[must_use]
+    pub fn is_parallel(&self) -> bool {
+        self.center.w == 0.0
+    }
+
+    /// M, image from (X − O, 1).
+    #[must_use]
+    pub fn image_from_world(&self) -> &Matrix3x4<f64> {
+        &self.image_from_world
+    }
+
+    /// O, in world coordinates.
+    #[must_use]
+    pub fn origin(&self) -> Point3<f64> {
+        self.origin
+    }
+}

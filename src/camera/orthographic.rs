@@ -1,0 +1,87 @@
+//! Parallel projection.
+
+use nalgebra::{Matrix2, Matrix2x3, Point2, Point3, Vector3};
+
+use super::{ExteriorOrientation, HomogeneousCamera, SensorModel, collinearity};
+use crate::error::{Error, ProjectionError};
+use crate::geometry::{Affine2, Locus, Ray, Surface};
+
+/// A parallel (orthographic) projection: [WD] table 2 with 1/f = 0.
+///
+/// ```text
+/// (x, y) = A · (X′, Y′) + b,      (X′, Y′, Z′) = R (X − O)
+/// ```
+///
+/// A is in pixels per world unit. Maps and orthophotos are such pictures, and a texture laid on orthogonally. There is
+/// no eye: a point at any depth Z′ has an image. A ray starts on the plane Z′ = 0, so O is best placed above the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(alias("parallel projection", "affine camera"))]
+pub struct Orthographic {
+    exterior: ExteriorOrientation,
+    pixel_from_plane: Affine2,
+    inverse: Affine2,
+}
+
+impl Orthographic {
+    /// From the viewing frame (its `projection_center` is O) and the affine map of its x–y plane to pixels.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::Degenerate`] where the affine map is singular.
+    pub fn new(exterior: ExteriorOrientation, pixel_from_plane: Affine2) -> Result<Self, Error> {
+        if !pixel_from_plane.to_matrix().iter().all(|v| v.is_finite()) {
+            return Err(Error::NotFinite { what: "orthographic projection" });
+        }
+        let inverse = pixel_from_plane.inverse()?;
+        Ok(Self { exterior, pixel_from_plane, inverse })
+    }
+
+    /// The projection as a matrix about O, with its inverse rays.
+    #[must_use]
+    pub fn homogeneous(&self) -> HomogeneousCamera {
+        HomogeneousCamera::orthographic(&self.exterior, &self.pixel_from_plane, &self.inverse)
+    }
+
+    fn by_world(&self) -> Matrix2x3<f64> {
+        let rotation = self.exterior.camera_from_world();
+        let linear: Matrix2<f64> = self.pixel_from_plane.linear;
+        linear * rotation.matrix().fixed_view::<2, 3>(0, 0)
+    }
+
+    fn line(&self, image: &Point2<f64>) -> Result<Ray, ProjectionError> {
+        let on_plane = collinearity::finite(self.inverse.apply(image))?;
+        let pose = self.exterior.pose();
+        let origin = pose.apply_inverse(&Point3::new(on_plane.x, on_plane.y, 0.0));
+        Ray::new(origin, pose.rotation.inverse() * Vector3::z())
+            .map_err(|_| ProjectionError::NotFinite)
+    }
+}
+
+impl SensorModel for Orthographic {
+    fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
+        let p = self.exterior.pose().apply(world);
+        collinearity::finite(self.pixel_from_plane.apply(&p.xy()))
+    }
+
+    fn project_jacobian(
+        &self,
+        world: &Point3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+        Ok((self.project(world)?, self.by_world()))
+    }
+
+    fn locus(&self, image: &Point2<f64>) -> Result<Locus, ProjectionError> {
+        self.line(image).map(Locus::Ray)
+    }
+
+    /// The first point along the viewing direction from the plane Z′ = 0; failing that, the first against it.
+    fn ground(
+        &self,
+        image: &Point2<f64>,
+        surface: &dyn Surface,
+    ) -> Result<Point3<f64>, ProjectionError> {
+        let ray = self.line(image)?;
+        surface
+            .meet_ray(&ray)
+            .or_else(|_| surface.meet_ray(&Ray { origin: ray.origin, direction: -ray.direction }))
+    }
+}

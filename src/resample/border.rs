@@ -1,0 +1,75 @@
+//! What lies beyond a picture's edge.
+
+/// What a filter reads where there is no texel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Border {
+    /// Nothing is painted for a position outside the picture, [0, width) × [0, height). Within it, taps beyond the edge
+    /// read the edge texel.
+    #[default]
+    Transparent,
+    /// Taps beyond the edge read this value (the first channels of it); a position with no map is painted with it.
+    #[doc(alias = "BORDER_CONSTANT")]
+    Constant([f32; 4]),
+    /// Taps beyond the edge read the edge texel.
+    #[doc(alias("BORDER_REPLICATE", "CLAMP_TO_EDGE"))]
+    Clamp,
+    /// The picture is repeated without end.
+    #[doc(alias("BORDER_WRAP", "REPEAT"))]
+    Repeat,
+    /// The picture is repeated, every second time mirrored; the edge texel stands twice.
+    #[doc(alias("BORDER_REFLECT", "MIRRORED_REPEAT"))]
+    Mirror,
+}
+
+/// The texel that a tap at `i` reads along an axis of `n` ≥ 1 texels; `None` for the constant.
+pub(super) trait Edge: Copy {
+    /// Whether a position outside the picture paints nothing.
+    const TRANSPARENT: bool = false;
+    fn texel(i: i32, n: i32) -> Option<usize>;
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Transparent;
+#[derive(Clone, Copy)]
+pub(super) struct Constant;
+#[derive(Clone, Copy)]
+pub(super) struct Clamp;
+#[derive(Clone, Copy)]
+pub(super) struct Repeat;
+#[derive(Clone, Copy)]
+pub(super) struct Mirror;
+
+impl Edge for Transparent {
+    const TRANSPARENT: bool = true;
+    #[inline]
+    fn texel(i: i32, n: i32) -> Option<usize> {
+        Clamp::texel(i, n)
+    }
+}
+impl Edge for Constant {
+    #[inline]
+    fn texel(i: i32, n: i32) -> Option<usize> {
+        (0..n).contains(&i).then_some(i as usize)
+    }
+}
+impl Edge for Clamp {
+    #[inline]
+    fn texel(i: i32, n: i32) -> Option<usize> {
+        Some(i.clamp(0, n - 1) as usize)
+    }
+}
+impl Edge for Repeat {
+    #[inline]
+    fn texel(i: i32, n: i32) -> Option<usize> {
+        Some(i.rem_euclid(n) as usize)
+    }
+}
+impl Edge for Mirror {
+    #[inline]
+    fn texel(i: i32, n: i32) -> Option<usize> {
+        let (i, n) = (i64::from(i), i64::from(n));
+        let k = i.rem_euclid(2 * n);
+        Some(if k < n { k } else { 2 * n - 1 - k } as usize)
+    }
+}

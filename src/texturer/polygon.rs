@@ -1,0 +1,134 @@
+//! A polygon on its way to the screen: projected, clipped, snapped.
+
+use alloc::vec::Vec;
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use super::scan::{self, SUBPIXELS, Snapped, Span};
+use crate::camera::HomogeneousCamera;
+use crate::error::Error;
+use crate::numeric::float;
+
+/// Which side of a polygon is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Facing {
+    /// Both sides.
+    #[default]
+    Both,
+    /// Only polygons whose vertices turn counter-clockwise as seen on the screen: their front.
+    Front,
+    /// Only polygons whose vertices turn clockwise as seen on the screen.
+    #[doc(alias = "front-face culling")]
+    Back,
+}
+
+/// A polygon of the world as the screen sees it.
+///
+/// The polygon has three or more vertices, convex or concave, in one plane. What lies nearer than the near plane, and what
+/// lies outside ±2²⁰ pixels, is cut off in homogeneous coordinates before the division, so no vertex behind the eye is ever
+/// divided. Two polygons that share an edge are cut at the same points of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScreenPolygon {
+    vertices: Vec<Point2<f64>>,
+    snapped: Vec<Snapped>,
+}
+
+/// The screen is cut at ±2²⁰ pixels, so that edge crossings are exact in 64-bit integers.
+const GUARD_BAND: f64 = 1_048_576.0;
+
+/// Cuts a homogeneous polygon at `inside(v) ≥ 0`, a linear function (Sutherland & Hodgman 1974).
+///
+/// A concave polygon may come out with edges that run back along the cut; they enclose no area and cover no pixel.
+fn clip(polygon: &[Vector3<f64>], inside: impl Fn(&Vector3<f64>) -> f64) -> Vec<Vector3<f64>> {
+    let mut out = Vec::with_capacity(polygon.len() + 2);
+    for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+        let (fa, fb) = (inside(a), inside(b));
+        if fa >= 0.0 {
+            out.push(*a);
+        }
+        if (fa >= 0.0) != (fb >= 0.0) {
+            // Always from the inner to the outer end: the neighbour across this edge computes the same point.
+            let (p, q, fp, fq) = if fa >= 0.0 { (a, b, fa, fb) } else { (b, a, fb, fa) };
+            out.push(p + (q - p) * (fp / (fp - fq)));
+        }
+    }
+    out
+}
+
+impl ScreenPolygon {
+    /// Projects a polygon. `near` is the depth, in world units, before which nothing is drawn; a parallel screen ignores
+    /// it. The result may be empty.
+    ///
+    /// # Errors
+    /// [`Error::TooFewPoints`] for fewer than three vertices, [`Error::NotFinite`], and [`Error::OutOfRange`] for a near
+    /// distance that is not positive.
+    pub fn project(
+        world: &[Point3<f64>],
+        screen: &HomogeneousCamera,
+        near: f64,
+    ) -> Result<Self, Error> {
+        if world.len() < 3 {
+            return Err(Error::TooFewPoints { needed: 3, got: world.len() });
+        }
+        if !(near > 0.0 && near.is_finite()) {
+            return Err(Error::OutOfRange { what: "near plane", value: near, expected: "more than 0" });
+        }
+        let homogeneous: Vec<Vector3<f64>> = world
+            .iter()
+            .map(|p| screen.image_from_world() * (p - screen.origin()).push(1.0))
+            .collect();
+        if !homogeneous.iter().all(|v| v.iter().all(|c| c.is_finite())) {
+            return Err(Error::NotFinite { what: "polygon vertex" });
+        }
+        // A parallel screen has w = 1 everywhere.
+        let near = if screen.is_parallel() { 0.5 } else { near };
+        let mut clipped = clip(&homogeneous, |v| v.z - near);
+        for axis in 0..2 {
+            for side in [1.0, -1.0] {
+                clipped = clip(&clipped, |v| GUARD_BAND * v.z - side * v[axis]);
+            }
+        }
+        let vertices: Vec<Point2<f64>> =
+            clipped.iter().map(|v| Point2::new(v.x / v.z, v.y / v.z)).collect();
+        let snap = |c: f64| float::round(c * SUBPIXELS as f64) as i32;
+        let snapped = vertices.iter().map(|p| [snap(p.x), snap(p.y)]).collect();
+        Ok(Self { vertices, snapped })
+    }
+
+    /// The outline in pixels, after clipping and before snapping.
+    #[must_use]
+    pub fn vertices(&self) -> &[Point2<f64>] {
+        &self.vertices
+    }
+
+    /// Whether nothing is left to draw.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.snapped.len() < 3
+    }
+
+    /// Twice the area in 1/256² pixel, positive where the vertices turn counter-clockwise as seen (y down).
+    fn doubled_area(&self) -> i128 {
+        let v = &self.snapped;
+        v.iter()
+            .zip(v.iter().cycle().skip(1))
+            .map(|(a, b)| i128::from(a[1]) * i128::from(b[0]) - i128::from(a[0]) * i128::from(b[1]))
+            .sum()
+    }
+
+    /// Whether this side of the polygon is to be drawn.
+    #[must_use]
+    pub fn shows(&self, facing: Facing) -> bool {
+        match facing {
+            Facing::Both => true,
+            Facing::Front => self.doubled_area() > 0,
+            Facing::Back => self.doubled_area() < 0,
+        }
+    }
+
+    /// Visits the polygon's pixels inside a picture, row by row: a pixel belongs to it if its centre does, by the top-left
+    /// rule on edges.
+    pub fn spans(&self, width: usize, height: usize, visit: impl FnMut(Span)) {
+        scan::scan(&self.snapped, width, height, visit);
+    }
+}
