@@ -77,8 +77,7 @@ impl PhotographMap {
         photograph: &Frame<BrownCamera>,
         screen: &HomogeneousCamera,
     ) -> Result<Self, Error> {
-        let inner =
-            FractionalLinear::from_plane(plane, &photograph.ideal().homogeneous(), screen)?;
+        let inner = FractionalLinear::from_plane(plane, &photograph.ideal().homogeneous(), screen)?;
         Ok(Self { outer: DistortMap::new(photograph.camera), inner })
     }
 }

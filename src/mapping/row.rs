@@ -113,8 +113,8 @@ impl RowCoords {
             values.iter().all(|&c| c.abs() <= limit && Self::origin(c) == origin)
         };
         if !(u.len() == v.len() && one_origin(u, origin[0]) && one_origin(v, origin[1])) {
-            for (x, (&u, &v)) in (x..).zip(u.iter().zip(v)) {
-                self.push(x, u, v);
+            for (i, (&u, &v)) in u.iter().zip(v).enumerate() {
+                self.push(x + i as i32, u, v);
             }
             return;
         }

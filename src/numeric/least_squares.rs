@@ -180,6 +180,12 @@ impl<const N: usize> NormalEquations<N> {
         *self = Self::default();
     }
 
+    /// From the lower triangle of JᵀWJ and the gradient JᵀWr, for a problem that sums them by a structure of its own.
+    #[must_use]
+    pub fn from_parts(matrix: SMatrix<f64, N, N>, gradient: SVector<f64, N>) -> Self {
+        Self { matrix, gradient }
+    }
+
     /// Adds one residual with its partial derivatives and weight.
     #[inline]
     pub fn add(&mut self, partials: &SVector<f64, N>, residual: f64, weight: f64) {

@@ -38,7 +38,27 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
 }
 
+/// a d − b c, to a relative error of two roundings however far it cancels.
+#[inline]
+pub(crate) fn determinant(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let ((p, e), (q, f)) = (two_product(a, d), two_product(b, c));
+    (p - q) + (e - f)
+}
+
 impl Twofold {
+    /// a − b, exactly.
+    #[inline]
+    pub(crate) fn difference(a: f64, b: f64) -> Self {
+        let (high, low) = two_sum(a, -b);
+        Self { high, low }
+    }
+
+    /// Times a power of two, exactly.
+    #[inline]
+    pub(crate) fn scale(self, power: f64) -> Self {
+        Self { high: self.high * power, low: self.low * power }
+    }
+
     /// An exact float.
     pub(crate) fn new(value: f64) -> Self {
         Self { high: value, low: 0.0 }

@@ -9,7 +9,9 @@ mod sealed {
 }
 
 /// A sample of a picture: `u8` (0 to 255) or `f32` (any range).
-pub trait Sample: Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + sealed::Sealed + 'static {
+pub trait Sample:
+    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + sealed::Sealed + 'static
+{
     /// The value as a float: 0 to 255 for `u8`.
     fn to_f32(self) -> f32;
     /// The nearest sample: `u8` rounds half up and clamps to 0 and 255, NaN becomes 0.
@@ -91,14 +93,22 @@ fn check<const C: usize>(
         }
     }
     if stride < width * C {
-        return Err(Error::LengthMismatch { what: "stride and row", left: stride, right: width * C });
+        return Err(Error::LengthMismatch {
+            what: "stride and row",
+            left: stride,
+            right: width * C,
+        });
     }
     let needed = match height {
         0 => 0,
         h => stride.checked_mul(h - 1).and_then(|n| n.checked_add(width * C)).unwrap_or(usize::MAX),
     };
     if len < needed {
-        return Err(Error::LengthMismatch { what: "samples and picture", left: len, right: needed });
+        return Err(Error::LengthMismatch {
+            what: "samples and picture",
+            left: len,
+            right: needed,
+        });
     }
     Ok(())
 }

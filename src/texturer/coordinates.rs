@@ -80,9 +80,18 @@ impl PlaneAxes {
         let shift = screen.origin() - self.origin;
         let (x, y) = (self.x, self.y);
         Matrix3x4::new(
-            x.x, x.y, x.z, x.dot(&shift), //
-            y.x, y.y, y.z, y.dot(&shift), //
-            0.0, 0.0, 0.0, 1.0,
+            x.x,
+            x.y,
+            x.z,
+            x.dot(&shift), //
+            y.x,
+            y.y,
+            y.z,
+            y.dot(&shift), //
+            0.0,
+            0.0,
+            0.0,
+            1.0,
         )
     }
 }

@@ -71,7 +71,11 @@ impl ScreenPolygon {
             return Err(Error::TooFewPoints { needed: 3, got: world.len() });
         }
         if !(near > 0.0 && near.is_finite()) {
-            return Err(Error::OutOfRange { what: "near plane", value: near, expected: "more than 0" });
+            return Err(Error::OutOfRange {
+                what: "near plane",
+                value: near,
+                expected: "more than 0",
+            });
         }
         let homogeneous: Vec<Vector3<f64>> = world
             .iter()

@@ -59,12 +59,7 @@ impl Edge {
 /// below a top edge (the top-left rule of Direct3D and OpenGL's common practice), so polygons that share an edge cover
 /// each pixel once. Where the outline crosses itself, a pixel is inside if a ray from it crosses the outline an odd
 /// number of times. Concave polygons need nothing special.
-pub(super) fn scan(
-    vertices: &[Snapped],
-    width: usize,
-    height: usize,
-    mut visit: impl FnMut(Span),
-) {
+pub(super) fn scan(vertices: &[Snapped], width: usize, height: usize, mut visit: impl FnMut(Span)) {
     let mut edges: Vec<Edge> = vertices
         .iter()
         .zip(vertices.iter().cycle().skip(1))

@@ -103,7 +103,8 @@ impl Rational {
             (d[1], d[2], -(d[0] + d[3] * h))
         };
         let ((a, b, e), (c, d, f)) = (row(&self.sample, image.x), row(&self.line, image.y));
-        let solved = Matrix2::new(a, b, c, d).lu().solve(&collinear::nalgebra::Vector2::new(e, f))?;
+        let solved =
+            Matrix2::new(a, b, c, d).lu().solve(&collinear::nalgebra::Vector2::new(e, f))?;
         Some(Point3::new(solved.x, solved.y, h))
     }
 }
@@ -175,12 +176,7 @@ impl Map for Cubic {
         let dx = [0.0, 1.0, 0.0, y, 2.0 * x, 0.0, 2.0 * x * y, y * y, 3.0 * x * x, 0.0];
         let dy = [0.0, 0.0, 1.0, x, 0.0, 2.0 * y, x * x, 2.0 * x * y, 0.0, 3.0 * y * y];
         let sum = |c: &[f64; 10], d: &[f64; 10]| c.iter().zip(d).map(|(c, d)| c * d).sum();
-        Ok(Matrix2::new(
-            sum(&self.a, &dx),
-            sum(&self.a, &dy),
-            sum(&self.b, &dx),
-            sum(&self.b, &dy),
-        ))
+        Ok(Matrix2::new(sum(&self.a, &dx), sum(&self.a, &dy), sum(&self.b, &dx), sum(&self.b, &dy)))
     }
 }
 
@@ -200,7 +196,8 @@ fn check_sensor(sensor: &dyn SensorModel, image: Point2<f64>, surface: &dyn Surf
 }
 
 fn slope() -> Plane {
-    Plane::from_point_and_normal(Point3::new(0.0, 0.0, 100.0), Vector3::new(0.1, -0.05, 1.0)).unwrap()
+    Plane::from_point_and_normal(Point3::new(0.0, 0.0, 100.0), Vector3::new(0.1, -0.05, 1.0))
+        .unwrap()
 }
 
 fn frame() -> Frame<BrownCamera> {
@@ -216,8 +213,13 @@ fn frame() -> Frame<BrownCamera> {
 
 #[test]
 fn a_frame_camera_a_pushbroom_and_a_rational_camera_meet_one_contract() {
-    let pushbroom =
-        Pushbroom { start: -50.0, step: 0.2, height: 800.0, principal_distance: 4000.0, middle: 2048.0 };
+    let pushbroom = Pushbroom {
+        start: -50.0,
+        step: 0.2,
+        height: 800.0,
+        principal_distance: 4000.0,
+        middle: 2048.0,
+    };
     let rational = Rational {
         sample: [[500.0, 2.0, 0.1, 0.3], [1.0, 1e-5, 2e-5, 1e-4]],
         line: [[400.0, -0.1, -1.9, 0.2], [1.0, -1e-5, 1e-5, 2e-5]],
@@ -245,9 +247,8 @@ fn adjustable_writes_one_block_a_group_and_skips_held_ones() {
     let object = Point3::new(12.0, 30.0, 105.0);
     let mut by_object = [0.0; 6];
     let (mut exterior, mut lens) = ([0.0; 12], [0.0; 10]);
-    let image = frame
-        .partials(&object, &mut by_object, &mut [&mut exterior, &mut [], &mut lens])
-        .unwrap();
+    let image =
+        frame.partials(&object, &mut by_object, &mut [&mut exterior, &mut [], &mut lens]).unwrap();
     assert_eq!(image, frame.project(&object).unwrap());
     // Each column against a central difference through `adjust`.
     for (group, block, len) in [(0, &exterior[..], 6), (2, &lens[..], 5)] {
@@ -262,11 +263,20 @@ fn adjustable_writes_one_block_a_group_and_skips_held_ones() {
             };
             let slope = (moved(1.0) - moved(-1.0)) / (2.0 * h);
             assert_abs_diff_eq!(slope.x, block[i], epsilon = 1e-5 * (1.0 + block[i].abs()));
-            assert_abs_diff_eq!(slope.y, block[len + i], epsilon = 1e-5 * (1.0 + block[len + i].abs()));
+            assert_abs_diff_eq!(
+                slope.y,
+                block[len + i],
+                epsilon = 1e-5 * (1.0 + block[len + i].abs())
+            );
         }
     }
-    let mut scanner: Box<dyn Adjustable> =
-        Box::new(Pushbroom { start: 0.0, step: 0.2, height: 800.0, principal_distance: 4e3, middle: 2e3 });
+    let mut scanner: Box<dyn Adjustable> = Box::new(Pushbroom {
+        start: 0.0,
+        step: 0.2,
+        height: 800.0,
+        principal_distance: 4e3,
+        middle: 2e3,
+    });
     scanner.adjust(0, &[1.0, 0.0]).unwrap();
     let mut values = [0.0; 2];
     scanner.parameters(0, &mut values);
@@ -276,7 +286,8 @@ fn adjustable_writes_one_block_a_group_and_skips_held_ones() {
 #[test]
 fn a_homography_and_a_cubic_map_fill_rows() {
     let homography =
-        Homography::from_matrix(Matrix3::new(0.9, 0.1, 5.0, -0.2, 1.1, 7.0, 1e-3, -2e-3, 1.0)).unwrap();
+        Homography::from_matrix(Matrix3::new(0.9, 0.1, 5.0, -0.2, 1.1, 7.0, 1e-3, -2e-3, 1.0))
+            .unwrap();
     let cubic = Cubic {
         a: [1.0, 1.0, 0.01, 1e-4, 2e-5, 0.0, 1e-8, 0.0, 3e-8, 0.0],
         b: [-2.0, 0.02, 0.9, 0.0, 1e-5, 1e-4, 0.0, 2e-8, 0.0, 1e-8],

@@ -1,4 +1,12 @@
 //! All integration tests of the library: one binary, a file for each subject.
 
+mod camera;
 mod contracts;
 mod geodetic;
+mod homography;
+mod plane_map;
+mod projection;
+mod rotation;
+mod support;
+mod texture_matrices;
+mod texturer;

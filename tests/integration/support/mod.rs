@@ -1,0 +1,87 @@
+//! Strategies and small oracles that several subjects share. Nothing here calls the code it is used to judge.
+
+use collinear::camera::{ExteriorOrientation, InteriorOrientation};
+use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
+use proptest::prelude::*;
+
+/// A point of a cube of half side `extent` about the origin.
+pub fn point(extent: f64) -> impl Strategy<Value = Point3<f64>> {
+    let c = -extent..extent;
+    (c.clone(), c.clone(), c).prop_map(|(x, y, z)| Point3::new(x, y, z))
+}
+
+/// A camera that stands 5 to 40 from the origin and looks near it, with any roll.
+pub fn exterior() -> impl Strategy<Value = ExteriorOrientation> {
+    (point(1.0), point(2.0), point(1.0), 5.0..40.0).prop_filter_map(
+        "degenerate view",
+        |(side, target, up, distance)| {
+            let direction = side.coords.try_normalize(0.1)?;
+            let up = up.coords.try_normalize(0.1)?;
+            let center = Point3::from(direction * distance);
+            ExteriorOrientation::look_at(center, target, up).ok()
+        },
+    )
+}
+
+/// A 1000 × 800 camera without lens errors.
+pub fn interior() -> impl Strategy<Value = InteriorOrientation> {
+    (600.0..3000.0, 0.95..1.05, 400.0..600.0, 300.0..500.0, -2.0..2.0).prop_filter_map(
+        "no interior orientation",
+        |(f, aspect, x, y, skew)| {
+            InteriorOrientation::new([f, f * aspect], Point2::new(x, y), skew).ok()
+        },
+    )
+}
+
+/// A camera by its plain numbers: the oracle's own projection.
+#[derive(Clone, Debug)]
+pub struct PlainCamera {
+    pub center: [f64; 3],
+    pub rows: [[f64; 3]; 3],
+    pub k: [[f64; 3]; 3],
+}
+
+impl PlainCamera {
+    pub fn new(exterior: &ExteriorOrientation, interior: &InteriorOrientation) -> Self {
+        let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|i| [m[(i, 0)], m[(i, 1)], m[(i, 2)]]);
+        let c = exterior.projection_center();
+        Self {
+            center: [c.x, c.y, c.z],
+            rows: rows(exterior.camera_from_world().matrix()),
+            k: rows(&interior.matrix()),
+        }
+    }
+
+    /// (x, y, depth) of a world point, by the collinearity equations written out.
+    pub fn project(&self, p: [f64; 3]) -> [f64; 3] {
+        let d = [p[0] - self.center[0], p[1] - self.center[1], p[2] - self.center[2]];
+        let [x, y, z] = self.rows.map(|r| r[0] * d[0] + r[1] * d[1] + r[2] * d[2]);
+        let (a, b) = (x / z, y / z);
+        [
+            self.k[0][0] * a + self.k[0][1] * b + self.k[0][2],
+            self.k[1][0] * a + self.k[1][1] * b + self.k[1][2],
+            z,
+        ]
+    }
+
+    /// The direction in the world of the ray through a pixel (K upper triangular).
+    pub fn ray(&self, pixel: [f64; 2]) -> [f64; 3] {
+        let b = (pixel[1] - self.k[1][2]) / self.k[1][1];
+        let a = (pixel[0] - self.k[0][2] - self.k[0][1] * b) / self.k[0][0];
+        [0, 1, 2].map(|i| self.rows[0][i] * a + self.rows[1][i] * b + self.rows[2][i])
+    }
+}
+
+/// The point where a ray from `origin` meets the plane through `point` with this normal, and the ray's parameter.
+pub fn cast(
+    origin: [f64; 3],
+    ray: [f64; 3],
+    point: &Point3<f64>,
+    normal: &Vector3<f64>,
+) -> ([f64; 3], f64) {
+    let n = [normal.x, normal.y, normal.z];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let to_plane = [point.x - origin[0], point.y - origin[1], point.z - origin[2]];
+    let t = dot(n, to_plane) / dot(n, ray);
+    ([0, 1, 2].map(|i| origin[i] + t * ray[i]), t)
+}

@@ -1,0 +1,1 @@
+//! The texturer against counted pixels and brute force.
