@@ -1,9 +1,17 @@
 //! All integration tests of the library: one binary, a file for each subject.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says what it skips"
+)]
 
 mod camera;
 mod contracts;
 mod geodetic;
 mod homography;
+mod layers;
 mod plane_map;
 mod projection;
 mod rotation;
