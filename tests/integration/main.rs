@@ -15,6 +15,7 @@ mod layers;
 mod plane_map;
 mod projection;
 mod rotation;
+mod sources;
 mod support;
 mod texture_matrices;
 mod texturer;
