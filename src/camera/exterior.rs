@@ -1,9 +1,10 @@
 //! Exterior orientation: where the camera stands and how it is turned.
 
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use crate::error::Error;
 use crate::geometry::Pose;
+use crate::geometry::rotation::{self, OmegaPhiKappa};
 
 /// Exterior orientation: the projection centre and the rotation camera_from_world.
 ///
@@ -32,6 +33,40 @@ impl ExteriorOrientation {
     #[doc(alias("rvec", "tvec", "cam_from_world"))]
     pub fn from_rotation_translation(rotation: Rotation3<f64>, translation: Vector3<f64>) -> Self {
         Self { pose: Pose::from_rotation_translation(rotation, translation) }
+    }
+
+    /// From the projection centre and photogrammetric angles: M = Mκ Mφ Mω turns the world into the photo system (x right,
+    /// y up, looking along −z), which half a turn about x takes to camera axes.
+    ///
+    /// ```
+    /// use collinear::camera::ExteriorOrientation;
+    /// use collinear::geometry::rotation::OmegaPhiKappa;
+    /// use nalgebra::{Point3, Vector3};
+    ///
+    /// // A vertical photograph looks down; κ = 90° turns the photo's x axis to the world's y.
+    /// let angles = OmegaPhiKappa { omega: 0.0, phi: 0.0, kappa: std::f64::consts::FRAC_PI_2 };
+    /// let e = ExteriorOrientation::from_omega_phi_kappa(Point3::new(0.0, 0.0, 100.0), &angles);
+    /// let p = e.pose().apply(&Point3::new(0.0, 7.0, 0.0));
+    /// assert!((p - Point3::new(7.0, 0.0, 100.0)).norm() < 1e-14);
+    /// ```
+    #[must_use]
+    pub fn from_omega_phi_kappa(projection_center: Point3<f64>, angles: &OmegaPhiKappa) -> Self {
+        Self::new(projection_center, rotation::camera_from_photo() * angles.photo_from_world())
+    }
+
+    /// ω, φ, κ of this orientation.
+    #[must_use]
+    pub fn omega_phi_kappa(&self) -> OmegaPhiKappa {
+        OmegaPhiKappa::from_photo_from_world(
+            &(rotation::camera_from_photo().inverse() * self.pose.rotation),
+        )
+    }
+
+    /// The chain from angles to this crate's rotation parameters: δ = (∂δ/∂(ω, φ, κ)) d(ω, φ, κ), with
+    /// camera_from_world ← exp([δ]×) R. Multiplied from the right it turns partials by δ into partials by the angles.
+    #[must_use]
+    pub fn rotation_from_omega_phi_kappa(&self) -> Matrix3<f64> {
+        rotation::camera_from_photo().matrix() * self.omega_phi_kappa().left_from_angles()
     }
 
     /// A camera at `center` that looks at `target` with the world direction `up` upwards in its picture.
@@ -71,11 +106,7 @@ impl ExteriorOrientation {
         }
         let right = right / sine;
         let down = forward.cross(&right);
-        let rows = nalgebra::Matrix3::from_rows(&[
-            right.transpose(),
-            down.transpose(),
-            forward.transpose(),
-        ]);
+        let rows = Matrix3::from_rows(&[right.transpose(), down.transpose(), forward.transpose()]);
         Ok(Self::new(center, Rotation3::from_matrix_unchecked(rows)))
     }
 

@@ -130,6 +130,6 @@ impl RowCoords {
     /// The multiple of [`BLOCK`](Self::BLOCK) nearest to a coordinate (to within one texel, as the cast truncates).
     #[inline]
     fn origin(coordinate: f64) -> i32 {
-        (coordinate as i32 + Self::BLOCK / 2) & !(Self::BLOCK - 1)
+        (coordinate as i32).wrapping_add(Self::BLOCK / 2) & !(Self::BLOCK - 1)
     }
 }

@@ -5,7 +5,8 @@ use collinear::camera::{
     Brown, BrownCamera, CentralModel, ExteriorOrientation, Frame, InteriorOrientation,
     Orthographic, SensorModel,
 };
-use collinear::geometry::geodetic::Ellipsoid;
+use collinear::geometry::geodetic::{Ellipsoid, EllipsoidalHeight};
+use collinear::geometry::rotation::OmegaPhiKappa;
 use collinear::geometry::{Affine2, Locus, Plane, Surface};
 use collinear::nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 use collinear::{Error, ProjectionError};
@@ -225,7 +226,7 @@ proptest! {
         let normal = tilt.coords + exterior.camera_from_world().inverse() * Vector3::z();
         let plane = Plane::from_point_and_normal(p, normal).unwrap();
         let ball = Ellipsoid::new(3.0, 0.1).unwrap();
-        let surfaces: [&dyn Surface; 2] = [&plane, &ball.at_height(0.0).unwrap()];
+        let surfaces: [&dyn Surface; 2] = [&plane, &ball.at_height(EllipsoidalHeight(0.0)).unwrap()];
         for surface in surfaces {
             let Ok(ground) = frame.ground(&image, surface) else { continue };
             let distance = (ground - ray.origin).norm();
@@ -264,6 +265,40 @@ proptest! {
                 prop_assert!((slope.x - block[k]).abs() < scale, "{group} {k} {} {}", slope.x, block[k]);
                 prop_assert!((slope.y - block[len + k]).abs() < scale, "{group} {k}");
             }
+        }
+    }
+
+    #[test]
+    fn partials_by_omega_phi_kappa_follow_by_a_chain(
+        camera in interior(), center in point(1.0), ground in point(2.0), angles in [-0.5..0.5f64, -0.5..0.5, -3.0..3.0],
+    ) {
+        use collinear::camera::Adjustable;
+        // The oracle: the collinearity equations in ω, φ, κ written out, differenced.
+        let center = center + Vector3::new(0.0, 0.0, 20.0);
+        let image = |a: [f64; 3]| {
+            let v = omega_phi_kappa(a.map(f64::to_degrees)) * (ground - center);
+            camera.pixel_from_normalised(&Point2::new(v.x / -v.z, v.y / v.z))
+        };
+        let [omega, phi, kappa] = angles;
+        let frame = Frame::new(
+            ExteriorOrientation::from_omega_phi_kappa(center, &OmegaPhiKappa { omega, phi, kappa }),
+            camera,
+        );
+        let at = frame.project(&ground).unwrap();
+        prop_assert!((at - image(angles)).norm() < 1e-9);
+        let (mut exterior, mut by_object) = ([0.0; 12], [0.0; 6]);
+        frame.partials(&ground, &mut by_object, &mut [&mut exterior]).unwrap();
+        let by_rotation = collinear::nalgebra::Matrix2x3::new(
+            exterior[3], exterior[4], exterior[5], exterior[9], exterior[10], exterior[11],
+        );
+        let by_angles = by_rotation * frame.exterior.rotation_from_omega_phi_kappa();
+        for i in 0..3 {
+            let mut step = [0.0; 3];
+            step[i] = 1e-6;
+            let ahead: [f64; 3] = core::array::from_fn(|k| angles[k] + step[k]);
+            let back: [f64; 3] = core::array::from_fn(|k| angles[k] - step[k]);
+            let slope = (image(ahead) - image(back)) / 2e-6;
+            prop_assert!((slope - by_angles.column(i)).norm() < 1e-4 * (1.0 + slope.norm()));
         }
     }
 
