@@ -362,7 +362,56 @@ struct Linear {
     normal: NormalEquations<8>,
 }
 
+/// The condition down to which the linear start is found from squared equations: its error is then below 1e-6.
+const SQUARED: f64 = 1e-5;
+
+/// Where the product of entry `i` and `j` of (x, y, 1) stands among the six.
+const PAIR: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+
+/// Σ of the six products of s = (x, y, 1) times 1, u, v and u² + v²: all of JᵀJ, since a point's 18 partials are s, s, −u s
+/// and −v s times a factor.
+#[derive(Default)]
+struct Moments([[f64; 6]; 4]);
+
+impl Moments {
+    #[inline]
+    fn add(&mut self, s: [f64; 3], u: f64, v: f64, weight: f64) {
+        let squares =
+            [s[0] * s[0], s[0] * s[1], s[0] * s[2], s[1] * s[1], s[1] * s[2], s[2] * s[2]];
+        for (sums, factor) in self.0.iter_mut().zip([1.0, u, v, u * u + v * v]) {
+            for (sum, square) in sums.iter_mut().zip(squares) {
+                *sum += weight * factor * square;
+            }
+        }
+    }
+
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        let pair = PAIR[i % 3][j % 3];
+        match (i / 3, j / 3) {
+            (0, 0) | (1, 1) => self.0[0][pair],
+            (2, 0) | (0, 2) => -self.0[1][pair],
+            (2, 1) | (1, 2) => -self.0[2][pair],
+            (2, 2) => self.0[3][pair],
+            _ => 0.0,
+        }
+    }
+}
+
 impl Transfer<'_> {
+    /// AᵀA of the linear equations, with the image whitened.
+    fn moments(&self, whiten: &Matrix2<f64>) -> Triangular<9> {
+        let mut moments = Moments::default();
+        for (i, (s, t)) in self.object.iter().zip(&self.image).enumerate() {
+            let t = whiten * Vector2::from(*t);
+            moments.add([s[0], s[1], 1.0], t.x, t.y, self.weight(i));
+        }
+        let mut triangle = Triangular::new();
+        for i in 0..9 {
+            triangle.add_row(core::array::from_fn(|j| moments.entry(i, j)));
+        }
+        triangle
+    }
+
     fn weight(&self, index: usize) -> f64 {
         self.weights.and_then(|w| w.get(index).copied()).unwrap_or(1.0)
     }
@@ -385,12 +434,19 @@ impl Transfer<'_> {
                 })
             })
         };
-        let mut triangle = Triangular::<9>::new();
-        for row in rows() {
-            triangle.add_row(row);
+        // From the sums AᵀA where the small singular values survive the squaring, from A itself where they do not.
+        let (squares, mut vectors) = self.moments(&whiten).singular();
+        let mut condition = if squares[0] > 0.0 { squares[7] / squares[0] } else { 0.0 };
+        condition = float::sqrt(condition);
+        if !(condition > SQUARED) {
+            let mut triangle = Triangular::<9>::new();
+            for row in rows() {
+                triangle.add_row(row);
+            }
+            let (values, rows) = triangle.singular();
+            condition = if values[0] > 0.0 { values[7] / values[0] } else { 0.0 };
+            vectors = rows;
         }
-        let (values, vectors) = triangle.singular();
-        let condition = if values[0] > 0.0 { values[7] / values[0] } else { 0.0 };
         let limit = 64.0 * (f64::EPSILON + from.rounding + to.rounding);
         if !(condition > limit) {
             let what = "homography fit: fewer than four points in general position";
@@ -451,49 +507,30 @@ impl Problem for Transfer<'_> {
 
     fn linearise(&self, h: &Self::State, linear: &mut Self::Linear) -> f64 {
         linear.fixed = h.iamax();
-        // With s = (x, y, 1) the 18 partials of a point are s/w, s/w, −u s/w and −v s/w: all of JᵀJ is in the sums of
-        // s sᵀ/w² times 1, u, v and u² + v².
         let entries: [f64; 9] = (*h).into();
-        let mut moments = [[0.0f64; 6]; 4];
+        let unit = self.pixel * self.pixel;
+        let mut moments = Moments::default();
         let mut gradient = [0.0f64; 9];
         for (i, (s, t)) in self.object.iter().zip(&self.image).enumerate() {
             let [u, v, w] = homogeneous(&entries, *s);
-            if !(w > 0.0) {
+            if w <= 0.0 {
                 continue;
             }
-            let (u, v) = (u / w, v / w);
+            let (u, v, s) = (u / w, v / w, [s[0] / w, s[1] / w, 1.0 / w]);
             let (ex, ey) = (u - t[0], v - t[1]);
-            let unit = self.pixel * self.pixel;
-            let weight =
-                unit * self.weight(i) * self.options.loss.weight(unit * (ex * ex + ey * ey));
-            let s = [s[0] / w, s[1] / w, 1.0 / w];
-            let squares =
-                [s[0] * s[0], s[0] * s[1], s[0] * s[2], s[1] * s[1], s[1] * s[2], s[2] * s[2]];
-            for (m, factor) in moments.iter_mut().zip([1.0, u, v, u * u + v * v]) {
-                for (m, square) in m.iter_mut().zip(squares) {
-                    *m += weight * factor * square;
-                }
-            }
-            for k in 0..3 {
-                gradient[k] += weight * ex * s[k];
-                gradient[3 + k] += weight * ey * s[k];
-                gradient[6 + k] -= weight * (u * ex + v * ey) * s[k];
+            let loss = self.options.loss.weight(unit * (ex * ex + ey * ey));
+            let weight = unit * self.weight(i) * loss;
+            moments.add(s, u, v, weight);
+            let along = u * ex + v * ey;
+            for (k, s) in s.into_iter().enumerate() {
+                gradient[k] += weight * ex * s;
+                gradient[3 + k] += weight * ey * s;
+                gradient[6 + k] -= weight * along * s;
             }
         }
-        const PAIR: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
-        let entry = |i: usize, j: usize| {
-            let pair = PAIR[i % 3][j % 3];
-            match (i / 3, j / 3) {
-                (0, 0) | (1, 1) => moments[0][pair],
-                (2, 0) | (0, 2) => -moments[1][pair],
-                (2, 1) | (1, 2) => -moments[2][pair],
-                (2, 2) => moments[3][pair],
-                _ => 0.0,
-            }
-        };
         let free = |k: usize| if k < linear.fixed { k } else { k + 1 };
         linear.normal = NormalEquations::from_parts(
-            SMatrix::from_fn(|i, j| entry(free(i), free(j))),
+            SMatrix::from_fn(|i, j| moments.entry(free(i), free(j))),
             SVector::from_fn(|i, _| gradient[free(i)]),
         );
         if self.options.cost == TransferCost::Symmetric {
@@ -538,7 +575,7 @@ impl Transfer<'_> {
         let g = inverse(h);
         for (i, (s, t)) in self.object.iter().zip(&self.image).enumerate() {
             let y = homogeneous(&g, *t);
-            if !(y[2] > 0.0) {
+            if y[2] <= 0.0 {
                 continue;
             }
             let (p, q) = (y[0] / y[2], y[1] / y[2]);
