@@ -6,10 +6,14 @@
 //!
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
+mod affine;
 mod cantrell;
 mod compose;
 mod fractional_linear;
+pub mod perspective_bilinear;
+pub mod polynomial;
 mod row;
+pub mod span;
 
 use core::fmt::Debug;
 use core::ops::Range;

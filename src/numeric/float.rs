@@ -13,7 +13,7 @@ macro_rules! unary {
         }
     )*};
 }
-unary!(sqrt, sin, cos, tan, asin, acos, atan, floor, ceil, round, cbrt);
+unary!(sqrt, sin, tan, asin, acos, atan, floor, ceil, round, cbrt);
 
 /// Natural logarithm.
 #[inline]

@@ -1,0 +1,221 @@
+//! Whole rows of a span: exactly, and incrementally with a bound on the drift.
+
+use core::ops::Range;
+
+use super::linear::{LINEAR_ERROR, Linear};
+use super::{BLOCK, Span};
+
+/// u, the unit roundoff of `f64`.
+const UNIT: f64 = 0.5 * f64::EPSILON;
+/// Interleaved walks in one block.
+const LANES: usize = 8;
+/// The most additions between an anchor and a pixel.
+const ADDITIONS: u32 = (BLOCK / LANES) as u32 - 1;
+/// A block is walked only if its denominators differ by no more than this factor.
+const WALKABLE: f64 = 64.0;
+/// Covers the rounding of a bound's own arithmetic.
+pub(super) const OUTWARD: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
+
+/// γₖ = k u / (1 − k u).
+fn gamma(k: f64) -> f64 {
+    k * UNIT / (1.0 - k * UNIT)
+}
+
+impl<const N: usize> Span<N> {
+    /// The attributes of the pixels of `range` in the valid interval, each within 4 ulp.
+    ///
+    /// `emit` is called with the x of a first pixel and, for each attribute, the values there and at the pixels that
+    /// follow, ascending, at most 64 at once. The values equal [`at`](Self::at)'s bit for bit; where that reports an
+    /// overflow they are infinite or NaN.
+    pub fn exact(&self, range: Range<i32>, mut emit: impl FnMut(i32, [&[f64]; N])) {
+        let valid = self.valid_interval(range);
+        let mut values = [[0.0; BLOCK]; N];
+        let mut x = valid.start;
+        while x < valid.end {
+            let count = ((valid.end - x) as usize).min(BLOCK);
+            self.fill_exact(x, count, &mut values);
+            emit(x, values.each_ref().map(|v| &v[..count]));
+            x += count as i32;
+        }
+    }
+
+    /// Writes the first `count` attributes from pixel `x` on.
+    #[inline]
+    pub(super) fn fill_exact(&self, x: i32, count: usize, values: &mut [[f64; BLOCK]; N]) {
+        let x = self.relative(x);
+        let mut reciprocals = [0.0; BLOCK];
+        let reciprocals = &mut reciprocals[..count];
+        self.denominator.fill(x, reciprocals);
+        for r in reciprocals.iter_mut() {
+            *r = 1.0 / *r;
+        }
+        for (values, numerator) in values.iter_mut().zip(&self.numerators) {
+            let values = &mut values[..count];
+            numerator.fill(x, values);
+            for (v, r) in values.iter_mut().zip(&*reciprocals) {
+                *v *= r;
+            }
+        }
+    }
+
+    /// The attributes of the pixels of `range` in the valid interval, incrementally.
+    ///
+    /// A pixel costs N + 1 additions, one division and N products. Each block of 64 pixels, from an absolute multiple
+    /// of 64 to the next, starts from eight neighbouring exact values and adds eight steps at a time, so no value is
+    /// more than 7 additions from an exact one, and the eight chains run side by side. A block in which the
+    /// denominator changes by more than 64 times, or its sign, is evaluated exactly. `emit` is called as by
+    /// [`exact`](Self::exact). [`walk_bound`](Self::walk_bound) says how far the values can be off.
+    ///
+    /// ```
+    /// use collinear::mapping::span::Span;
+    ///
+    /// let span = Span::new([[3.0, 2.0]], [1.0, 1.0])?;
+    /// let mut row = Vec::new();
+    /// span.walk(0..200, |_, [u]| row.extend_from_slice(u));
+    /// assert!((row[199] - 401.0 / 200.0).abs() <= span.walk_bound(0..200)[0]);
+    /// # Ok::<(), collinear::Error>(())
+    /// ```
+    pub fn walk(&self, range: Range<i32>, mut emit: impl FnMut(i32, [&[f64]; N])) {
+        let valid = self.valid_interval(range);
+        let mut values = [[0.0; BLOCK]; N];
+        let mut depths = [0.0; BLOCK];
+        let mut x = valid.start;
+        while x < valid.end {
+            let anchor = x & !(BLOCK as i32 - 1);
+            let from = (x - anchor) as usize;
+            let count = ((valid.end - x) as usize).min(BLOCK - from);
+            if self.is_walkable(anchor) {
+                let at = self.relative(anchor);
+                walk_block(&self.denominator, at, &mut depths);
+                for r in &mut depths[from..from + count] {
+                    *r = 1.0 / *r;
+                }
+                for (values, numerator) in values.iter_mut().zip(&self.numerators) {
+                    walk_block(numerator, at, values);
+                    for (v, r) in values.iter_mut().zip(&depths) {
+                        *v *= r;
+                    }
+                }
+                emit(x, values.each_ref().map(|v| &v[from..from + count]));
+            } else {
+                self.fill_exact(x, count, &mut values);
+                emit(x, values.each_ref().map(|v| &v[..count]));
+            }
+            x += count as i32;
+        }
+    }
+
+    /// The denominators at the ends of the block from `anchor` on.
+    fn block_depths(&self, anchor: i32) -> [f64; 2] {
+        let x = self.relative(anchor);
+        [self.denominator.at(x), self.denominator.at(x + (BLOCK - 1) as f64)]
+    }
+
+    #[inline]
+    fn is_walkable(&self, anchor: i32) -> bool {
+        let [a, b] = self.block_depths(anchor);
+        a > 0.0 && b > 0.0 && a <= WALKABLE * b && b <= WALKABLE * a
+    }
+
+    /// How far an attribute of [`walk`](Self::walk) can be from the exact ratio at the valid pixels of `range`.
+    ///
+    /// The largest [`drift_bound`](Self::drift_bound) with 7 additions among the blocks that `range` touches. The cost
+    /// is a look at each block.
+    #[must_use]
+    pub fn walk_bound(&self, range: Range<i32>) -> [f64; N] {
+        let valid = self.valid_interval(range);
+        let mut bound = [0.0; N];
+        let mut anchor = valid.start & !(BLOCK as i32 - 1);
+        while anchor < valid.end {
+            let block = anchor..anchor + BLOCK as i32;
+            let of_block = if self.is_walkable(anchor) {
+                self.bound(block, ADDITIONS)
+            } else {
+                // No additions: the forms are as exact as their first values.
+                self.bound(block.start.max(valid.start)..block.end.min(valid.end), 0)
+            };
+            for (b, o) in bound.iter_mut().zip(of_block) {
+                *b = f64::max(*b, o);
+            }
+            anchor += BLOCK as i32;
+        }
+        bound
+    }
+
+    /// The attributes of the pixels of `range` in the valid interval by the textbook loop, which adds the steps from
+    /// the first pixel to the last and never looks back.
+    ///
+    /// It is here to be compared: its values depend on where the range begins, and drift as
+    /// [`drift_bound`](Self::drift_bound) with (pixels − 1) additions says. A pixel at which drift has taken the
+    /// denominator's sign is NaN. `emit` is called as by [`exact`](Self::exact).
+    pub fn walk_unanchored(&self, range: Range<i32>, mut emit: impl FnMut(i32, [&[f64]; N])) {
+        let valid = self.valid_interval(range);
+        let at = self.relative(valid.start);
+        let mut depth = self.denominator.at(at);
+        let mut sums = self.numerators.map(|l| l.at(at));
+        let mut values = [[0.0; BLOCK]; N];
+        let mut x = valid.start;
+        while x < valid.end {
+            let count = ((valid.end - x) as usize).min(BLOCK);
+            for i in 0..count {
+                let reciprocal = if depth > 0.0 { 1.0 / depth } else { f64::NAN };
+                depth += self.denominator.step;
+                for k in 0..N {
+                    values[k][i] = sums[k] * reciprocal;
+                    sums[k] += self.numerators[k].step;
+                }
+            }
+            emit(x, values.each_ref().map(|v| &v[..count]));
+            x += count as i32;
+        }
+    }
+
+    /// How far an attribute can be from the exact ratio at the valid pixels of `range`, when every form was reached
+    /// there by at most `additions` additions of its step from a rounded exact value; infinite where the denominator
+    /// may have drifted to zero.
+    ///
+    /// ```text
+    /// |v̂ − v| ≤ γₘ₊₁ (1 + 2⁻²³) max|v|,   γₖ = k u / (1 − k u),   u = 2⁻⁵³        (m additions)
+    /// |û − u*| ≤ (Eₙ + max|u*| E_d) / (min c − E_d), and two roundings
+    /// ```
+    ///
+    /// Proof. The start is rounded once, |v̂₀ − v₀| ≤ u (1 + 2⁻²³) |v₀|. An addition rounds its exact sum:
+    /// εᵢ ≤ εᵢ₋₁ + u (|vᵢ| + εᵢ₋₁). With M = max|v| this unrolls to εₘ ≤ M ((1 + u)ᵐ⁺¹ − 1)(1 + 2⁻²³) ≤
+    /// γₘ₊₁ (1 + 2⁻²³) M; to first order (m + 1) u M. Linear forms take their extremes at the range's ends, and so
+    /// does the ratio, which is monotone where its denominator keeps its sign. For the quotient
+    /// n̂/d̂ − n/d = ((n̂ − n) − (n/d)(d̂ − d)) / d̂; the reciprocal and the product then round once each. ∎
+    #[must_use]
+    pub fn drift_bound(&self, range: Range<i32>, additions: u32) -> [f64; N] {
+        let valid = self.valid_interval(range);
+        if valid.is_empty() { [0.0; N] } else { self.bound(valid, additions) }
+    }
+
+    /// The bound on a range of positive denominators.
+    fn bound(&self, range: Range<i32>, additions: u32) -> [f64; N] {
+        let ends = [self.relative(range.start), self.relative(range.end - 1)];
+        let factor = gamma(f64::from(additions) + 1.0) * (LINEAR_ERROR / UNIT);
+        let depths = ends.map(|x| self.denominator.at(x));
+        let depth_error = factor * depths[0].max(depths[1]);
+        let least = depths[0].min(depths[1]) - depth_error;
+        if !(least > 0.0) {
+            return [f64::INFINITY; N];
+        }
+        self.numerators.map(|l| {
+            let values = ends.map(|x| l.at(x));
+            let error = factor * values[0].abs().max(values[1].abs());
+            let ratio = (values[0] / depths[0]).abs().max((values[1] / depths[1]).abs());
+            let forms = (error + ratio * depth_error) / least;
+            (forms + 2.5 * UNIT * (ratio + forms)) * OUTWARD
+        })
+    }
+}
+
+/// The values of one form at the 64 pixels from x on: eight exact ones, and eight chains of additions.
+#[inline(always)]
+fn walk_block(form: &Linear, x: f64, values: &mut [f64; BLOCK]) {
+    form.fill(x, &mut values[..LANES]);
+    let step = LANES as f64 * form.step;
+    for i in LANES..BLOCK {
+        values[i] = values[i - LANES] + step;
+    }
+}
