@@ -87,7 +87,7 @@ impl Brown {
     /// From k₁, k₂, k₃ and p₁, p₂.
     ///
     /// # Errors
-    /// [`Error::NotFinite`].
+    /// [`Error::NotFinite`]; [`Error::OutOfRange`] for coefficients so large that nothing is left inside the fold.
     pub fn new(k: [f64; 3], p: [f64; 2]) -> Result<Self, Error> {
         if !k.iter().chain(&p).all(|c| c.is_finite()) {
             return Err(Error::NotFinite { what: "distortion coefficient" });
@@ -97,6 +97,13 @@ impl Brown {
         let mut roots = [0.0; 6];
         let count = polynomial::roots_in(&slope, 0.0, LARGEST_RADIUS, &mut roots);
         let fold_radius = if count > 0 { roots[0] } else { f64::INFINITY };
+        if !(slope.iter().all(|c| c.is_finite()) && fold_radius > 0.0) {
+            return Err(Error::OutOfRange {
+                what: "distortion fold radius",
+                value: fold_radius,
+                expected: "more than 0: smaller coefficients",
+            });
+        }
         Ok(Self { k, p, fold_radius })
     }
 

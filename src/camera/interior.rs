@@ -62,6 +62,15 @@ impl InteriorOrientation {
         skew: f64,
     ) -> Result<Self, Error> {
         let [fx, fy] = principal_distance;
+        for value in principal_distance {
+            if value <= 0.0 {
+                return Err(Error::OutOfRange {
+                    what: "principal distance",
+                    value,
+                    expected: "more than 0",
+                });
+            }
+        }
         Self::from_axes(Matrix2::new(fx, skew, 0.0, fy), principal_point)
     }
 
@@ -80,7 +89,14 @@ impl InteriorOrientation {
                 });
             }
         }
-        Self::from_axes(k.fixed_view::<2, 2>(0, 0).into_owned(), Point2::new(k.m13, k.m23))
+        if k.m21 != 0.0 {
+            return Err(Error::OutOfRange {
+                what: "second row of K",
+                value: k.m21,
+                expected: "(0, fy, y₀)",
+            });
+        }
+        Self::new([k.m11, k.m22], Point2::new(k.m13, k.m23), k.m12)
     }
 
     /// From OpenCV's fx, fy, cx, cy, where the centre of the first pixel is (0, 0): x₀ = cx + ½, y₀ = cy + ½.
@@ -97,6 +113,9 @@ impl InteriorOrientation {
     /// ```text
     /// photo = (x₀, y₀) + c · (X/Z, −Y/Z)        pixel = A · photo + b
     /// ```
+    ///
+    /// Any affine map is taken, a film turned or mirrored on the scanner too. With the identity the "pixels" are photo
+    /// millimetres, y up.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -119,16 +138,6 @@ impl InteriorOrientation {
     fn from_axes(axes: Matrix2<f64>, principal_point: Point2<f64>) -> Result<Self, Error> {
         if !axes.iter().chain(principal_point.coords.iter()).all(|v| v.is_finite()) {
             return Err(Error::NotFinite { what: "interior orientation" });
-        }
-        for f in [axes.m11, axes.m22] {
-            // A picture turned by a quarter has its principal distances off the diagonal.
-            if f <= 0.0 && axes.m12 * axes.m21 >= 0.0 {
-                return Err(Error::OutOfRange {
-                    what: "principal distance",
-                    value: f,
-                    expected: "more than 0",
-                });
-            }
         }
         let inverse =
             Affine2 { linear: axes, translation: nalgebra::Vector2::zeros() }.inverse()?;
@@ -208,6 +217,16 @@ impl InteriorOrientation {
             });
         };
         let axes = self.axes + Matrix2::new(fx, s, 0.0, fy);
+        // A step must not turn the picture over.
+        for (value, old) in [(axes.m11, self.axes.m11), (axes.m22, self.axes.m22)] {
+            if value * old < 0.0 {
+                return Err(Error::OutOfRange {
+                    what: "principal distance",
+                    value,
+                    expected: "the sign it had",
+                });
+            }
+        }
         Self::from_axes(axes, self.principal_point + nalgebra::Vector2::new(x0, y0))
     }
 

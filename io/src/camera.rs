@@ -1,0 +1,351 @@
+//! Camera files: one picture size, an interior and an exterior orientation.
+
+use serde::{Deserialize, Serialize};
+
+use crate::check::{all_in_range, determinant, dot, finite, in_range, norm};
+use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
+use crate::json::Document;
+use crate::json::object::Object;
+
+/// How far a quaternion's length or a matrix's R Rᵀ may be off: numbers printed with four digits pass, a mistaken one
+/// does not.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// A camera as its file states it. Fields, units and defaults: `docs/formats.md`, "camera".
+///
+/// ```
+/// use collinear_io::Document;
+/// use collinear_io::camera::{CameraFile, Exterior, Interior, Rotation};
+///
+/// let camera = CameraFile {
+///     width: 640,
+///     height: 480,
+///     interior: Interior::Pinhole {
+///         principal_distance: [500.0, 500.0],
+///         principal_point: [320.0, 240.0],
+///         skew: 0.0,
+///     },
+///     exterior: Exterior {
+///         projection_center: [0.0, 0.0, 10.0],
+///         rotation: Rotation::QuaternionWxyz([0.0, 1.0, 0.0, 0.0]),
+///     },
+/// };
+/// assert_eq!(CameraFile::parse(&camera.to_json()?)?, camera);
+/// # Ok::<(), collinear_io::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraFile {
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// From camera axes to pixels.
+    pub interior: Interior,
+    /// From world to camera axes.
+    pub exterior: Exterior,
+}
+
+/// From camera axes (x right, y down, z forward) to pixels from the top-left corner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Object<RawInterior>", into = "RawInterior")]
+pub enum Interior {
+    /// A central perspective.
+    Pinhole {
+        /// fx and fy, pixels.
+        principal_distance: [f64; 2],
+        /// Pixels.
+        principal_point: [f64; 2],
+        /// Pixels of x for each unit of y/z.
+        skew: f64,
+    },
+    /// A central perspective through a lens with Brown's distortion.
+    Brown {
+        /// fx and fy, pixels.
+        principal_distance: [f64; 2],
+        /// Pixels.
+        principal_point: [f64; 2],
+        /// Pixels of x for each unit of y/z.
+        skew: f64,
+        /// Radial: k1, k2, k3, of the powers r², r⁴, r⁶ of the normalised radius.
+        k: [f64; 3],
+        /// Decentring: p1, p2, in OpenCV's order.
+        p: [f64; 2],
+    },
+    /// A parallel projection along the z axis.
+    Orthographic {
+        /// Pixels for each world unit, along x and y.
+        pixels_per_unit: [f64; 2],
+        /// The image of the projection centre, pixels.
+        principal_point: [f64; 2],
+    },
+}
+
+/// From world to camera axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Object<RawExterior>", into = "RawExterior")]
+pub struct Exterior {
+    /// World coordinates.
+    pub projection_center: [f64; 3],
+    /// The rotation in one of its forms.
+    pub rotation: Rotation,
+}
+
+/// The rotation `camera_from_world` in the form that the file gives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rotation {
+    /// w, x, y, z of `camera_from_world`; of length one within 10⁻³.
+    QuaternionWxyz([f64; 4]),
+    /// ω, φ, κ in radians: R₃(κ) R₂(φ) R₁(ω), from the world to photogrammetric axes (x right, y up, z backwards).
+    OmegaPhiKappa([f64; 3]),
+    /// The rows of `camera_from_world`; orthonormal within 10⁻³.
+    RotationMatrix([[f64; 3]; 3]),
+}
+
+impl Document for CameraFile {
+    const KIND: &'static str = "camera";
+    const VERSION: u64 = 1;
+
+    fn check(&self) -> Result<(), FieldError> {
+        for (field, size) in [("width", self.width), ("height", self.height)] {
+            in_range(field, size.into(), "at least 1 pixel", |v| v >= 1.0)?;
+        }
+        self.interior.check().map_err(|e| e.under("interior"))?;
+        self.exterior.check().map_err(|e| e.under("exterior"))
+    }
+}
+
+impl CameraFile {
+    /// Refuses a picture of another size than the camera's.
+    ///
+    /// # Errors
+    /// [`ErrorKind::PictureSize`].
+    pub fn check_picture_size(&self, width: u32, height: u32) -> Result<(), Error> {
+        if (width, height) == (self.width, self.height) {
+            return Ok(());
+        }
+        let (picture, camera) = ([width, height], [self.width, self.height]);
+        Err(ErrorKind::PictureSize { picture, camera }.into())
+    }
+}
+
+impl Interior {
+    fn check(&self) -> Result<(), FieldError> {
+        let positive = |field: &str, values: &[f64]| {
+            all_in_range(field, values, "a finite number above 0", |v| v > 0.0)
+        };
+        match self {
+            Self::Pinhole { principal_distance, principal_point, skew } => {
+                positive("principal_distance", principal_distance)?;
+                finite("principal_point", principal_point)?;
+                in_range("skew", *skew, "a finite number", |_| true)
+            }
+            Self::Brown { principal_distance, principal_point, skew, k, p } => {
+                positive("principal_distance", principal_distance)?;
+                finite("principal_point", principal_point)?;
+                in_range("skew", *skew, "a finite number", |_| true)?;
+                finite("k", k)?;
+                finite("p", p)
+            }
+            Self::Orthographic { pixels_per_unit, principal_point } => {
+                positive("pixels_per_unit", pixels_per_unit)?;
+                finite("principal_point", principal_point)
+            }
+        }
+    }
+}
+
+impl Exterior {
+    fn check(&self) -> Result<(), FieldError> {
+        finite("projection_center", &self.projection_center)?;
+        match &self.rotation {
+            Rotation::QuaternionWxyz(q) => {
+                let field = "quaternion_wxyz";
+                finite(field, q)?;
+                let length = norm(q);
+                if (length - 1.0).abs() > ROTATION_TOLERANCE {
+                    let expected = "1 within 0.001";
+                    return Err(FieldError::new(
+                        field,
+                        FieldProblem::Length { norm: length, expected },
+                    ));
+                }
+                Ok(())
+            }
+            Rotation::OmegaPhiKappa(angles) => finite("omega_phi_kappa", angles),
+            Rotation::RotationMatrix(rows) => check_rotation("rotation_matrix", rows),
+        }
+    }
+}
+
+fn check_rotation(field: &str, rows: &[[f64; 3]; 3]) -> Result<(), FieldError> {
+    for (i, row) in rows.iter().enumerate() {
+        finite(&format!("{field}[{i}]"), row)?;
+    }
+    let mut deviation = 0.0_f64;
+    for (i, a) in rows.iter().enumerate() {
+        for (j, b) in rows.iter().enumerate() {
+            deviation = deviation.max((dot(a, b) - f64::from(u8::from(i == j))).abs());
+        }
+    }
+    // Entries of 1e200 overflow to infinity or, where infinities meet, to NaN.
+    if deviation.is_nan() || deviation > ROTATION_TOLERANCE {
+        return Err(FieldError::new(field, FieldProblem::NotARotation { deviation }));
+    }
+    if determinant(rows) < 0.0 {
+        return Err(FieldError::new(field, FieldProblem::Mirrors));
+    }
+    Ok(())
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Model {
+    Pinhole,
+    Brown,
+    Orthographic,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawInterior {
+    model: Model,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    principal_distance: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pixels_per_unit: Option<[f64; 2]>,
+    principal_point: [f64; 2],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    skew: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    k: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    p: Option<[f64; 2]>,
+}
+
+impl TryFrom<Object<RawInterior>> for Interior {
+    type Error = String;
+
+    fn try_from(Object(raw): Object<RawInterior>) -> Result<Self, String> {
+        let model = raw.model;
+        let name = match model {
+            Model::Pinhole => "pinhole",
+            Model::Brown => "brown",
+            Model::Orthographic => "orthographic",
+        };
+        let parallel = matches!(model, Model::Orthographic);
+        let misplaced = [
+            ("principal_distance", parallel && raw.principal_distance.is_some()),
+            ("pixels_per_unit", !parallel && raw.pixels_per_unit.is_some()),
+            ("skew", parallel && raw.skew.is_some()),
+            ("k", !matches!(model, Model::Brown) && raw.k.is_some()),
+            ("p", !matches!(model, Model::Brown) && raw.p.is_some()),
+        ];
+        if let Some((field, _)) = misplaced.iter().find(|(_, m)| *m) {
+            return Err(format!(
+                "the model `{name}` has no `{field}`: remove it or change the model"
+            ));
+        }
+        let missing = |field: &str| format!("the model `{name}` needs `{field}`");
+        let principal_point = raw.principal_point;
+        let skew = raw.skew.unwrap_or(0.0);
+        let distance = raw.principal_distance.ok_or_else(|| missing("principal_distance"));
+        Ok(match model {
+            Model::Pinhole => {
+                Self::Pinhole { principal_distance: distance?, principal_point, skew }
+            }
+            Model::Brown => Self::Brown {
+                principal_distance: distance?,
+                principal_point,
+                skew,
+                k: raw.k.unwrap_or_default(),
+                p: raw.p.unwrap_or_default(),
+            },
+            Model::Orthographic => Self::Orthographic {
+                pixels_per_unit: raw.pixels_per_unit.ok_or_else(|| missing("pixels_per_unit"))?,
+                principal_point,
+            },
+        })
+    }
+}
+
+impl From<Interior> for RawInterior {
+    fn from(interior: Interior) -> Self {
+        let empty = |model, principal_point| Self {
+            model,
+            principal_distance: None,
+            pixels_per_unit: None,
+            principal_point,
+            skew: None,
+            k: None,
+            p: None,
+        };
+        let unless_zero = |v: f64| (v != 0.0).then_some(v);
+        match interior {
+            Interior::Pinhole { principal_distance, principal_point, skew } => Self {
+                principal_distance: Some(principal_distance),
+                skew: unless_zero(skew),
+                ..empty(Model::Pinhole, principal_point)
+            },
+            Interior::Brown { principal_distance, principal_point, skew, k, p } => Self {
+                principal_distance: Some(principal_distance),
+                skew: unless_zero(skew),
+                k: Some(k),
+                p: Some(p),
+                ..empty(Model::Brown, principal_point)
+            },
+            Interior::Orthographic { pixels_per_unit, principal_point } => Self {
+                pixels_per_unit: Some(pixels_per_unit),
+                ..empty(Model::Orthographic, principal_point)
+            },
+        }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawExterior {
+    projection_center: [f64; 3],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    quaternion_wxyz: Option<[f64; 4]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    omega_phi_kappa: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rotation_matrix: Option<[[f64; 3]; 3]>,
+}
+
+impl TryFrom<Object<RawExterior>> for Exterior {
+    type Error = String;
+
+    fn try_from(Object(raw): Object<RawExterior>) -> Result<Self, String> {
+        let rotation = match (raw.quaternion_wxyz, raw.omega_phi_kappa, raw.rotation_matrix) {
+            (Some(q), None, None) => Rotation::QuaternionWxyz(q),
+            (None, Some(a), None) => Rotation::OmegaPhiKappa(a),
+            (None, None, Some(m)) => Rotation::RotationMatrix(m),
+            (q, a, m) => {
+                let n = [q.is_some(), a.is_some(), m.is_some()].iter().filter(|b| **b).count();
+                return Err(format!(
+                    "has {n} rotations: give exactly one of `quaternion_wxyz`, `omega_phi_kappa`, `rotation_matrix`"
+                ));
+            }
+        };
+        Ok(Self { projection_center: raw.projection_center, rotation })
+    }
+}
+
+impl From<Exterior> for RawExterior {
+    fn from(exterior: Exterior) -> Self {
+        let mut raw = Self {
+            projection_center: exterior.projection_center,
+            quaternion_wxyz: None,
+            omega_phi_kappa: None,
+            rotation_matrix: None,
+        };
+        match exterior.rotation {
+            Rotation::QuaternionWxyz(q) => raw.quaternion_wxyz = Some(q),
+            Rotation::OmegaPhiKappa(a) => raw.omega_phi_kappa = Some(a),
+            Rotation::RotationMatrix(m) => raw.rotation_matrix = Some(m),
+        }
+        raw
+    }
+}

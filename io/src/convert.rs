@@ -1,0 +1,252 @@
+//! From files to the library's types, and back.
+
+use collinear::camera::{
+    Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation, Orthographic, SensorModel,
+};
+use collinear::geometry::geodetic::GeoidGrid;
+use collinear::geometry::rotation::{OmegaPhiKappa, Quaternion, orthonormalised};
+use collinear::geometry::{Affine2, Homography, Plane};
+use collinear::mapping::polynomial::{Bilinear, Cubic, Quadratic};
+use collinear::mapping::{FractionalLinear, Map};
+use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
+
+use crate::camera::{CameraFile, Exterior, Interior, Rotation};
+use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
+use crate::gtx::GtxFile;
+use crate::json::Document;
+use crate::map::MapFile;
+use crate::plane::PlaneFile;
+
+/// The camera of a file, as the library has it.
+#[derive(Clone, Copy, Debug)]
+pub enum Camera {
+    /// Without a lens.
+    Pinhole(Frame<InteriorOrientation>),
+    /// With a lens.
+    Brown(Frame<BrownCamera>),
+    /// A parallel projection.
+    Orthographic(Orthographic),
+}
+
+impl Camera {
+    /// The camera as a sensor, whichever it is.
+    #[must_use]
+    pub fn sensor(&self) -> &dyn SensorModel {
+        match self {
+            Self::Pinhole(camera) => camera,
+            Self::Brown(camera) => camera,
+            Self::Orthographic(camera) => camera,
+        }
+    }
+}
+
+impl CameraFile {
+    /// The library's camera.
+    ///
+    /// ```
+    /// use collinear::nalgebra::{Point2, Point3};
+    /// use collinear_io::Document;
+    /// use collinear_io::camera::CameraFile;
+    ///
+    /// // A vertical photograph from 10 above: what lies 1 to the north is 50 pixels up.
+    /// let file = CameraFile::parse(
+    ///     r#"{ "collinear": "camera", "version": 1, "width": 640, "height": 480,
+    ///     "interior": { "model": "pinhole", "principal_distance": [500, 500], "principal_point": [320, 240] },
+    ///     "exterior": { "projection_center": [0, 0, 10], "omega_phi_kappa": [0, 0, 0] } }"#,
+    /// )?;
+    /// let image = file.camera()?.sensor().project(&Point3::new(0.0, 1.0, 0.0))?;
+    /// assert_eq!(image, Point2::new(320.0, 190.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ErrorKind::Field`] and [`ErrorKind::Library`] for values outside their domain.
+    pub fn camera(&self) -> Result<Camera, Error> {
+        self.check()?;
+        let exterior = self.exterior.orientation()?;
+        Ok(match &self.interior {
+            Interior::Pinhole { principal_distance, principal_point, skew } => {
+                let interior = interior(*principal_distance, *principal_point, *skew)?;
+                Camera::Pinhole(Frame::new(exterior, interior))
+            }
+            Interior::Brown { principal_distance, principal_point, skew, k, p } => {
+                let interior = interior(*principal_distance, *principal_point, *skew)?;
+                let lens = Brown::new(*k, *p).map_err(in_field("interior.k"))?;
+                Camera::Brown(Frame::new(exterior, BrownCamera::new(interior, lens)))
+            }
+            Interior::Orthographic { pixels_per_unit: [sx, sy], principal_point: [x, y] } => {
+                let scale = Affine2::from_coefficients([*x, *sx, 0.0], [*y, 0.0, *sy]);
+                let camera = Orthographic::new(exterior, scale)
+                    .map_err(in_field("interior.pixels_per_unit"))?;
+                Camera::Orthographic(camera)
+            }
+        })
+    }
+
+    /// The library's central camera; a pinhole has a lens without distortion.
+    ///
+    /// # Errors
+    /// As [`camera`](Self::camera), and [`FieldProblem::Unsupported`] for a parallel projection.
+    pub fn frame(&self) -> Result<Frame<BrownCamera>, Error> {
+        match self.camera()? {
+            Camera::Pinhole(Frame { exterior, camera }) => {
+                Ok(Frame::new(exterior, BrownCamera::new(camera, Brown::none())))
+            }
+            Camera::Brown(frame) => Ok(frame),
+            Camera::Orthographic(_) => {
+                let expected = "a camera with a projection centre is needed, `pinhole` or `brown`";
+                let problem = FieldProblem::Unsupported { found: "orthographic".into(), expected };
+                Err(FieldError::new("interior.model", problem).into())
+            }
+        }
+    }
+
+    /// The file of a camera and its picture's size.
+    #[must_use]
+    pub fn from_frame(frame: &Frame<BrownCamera>, width: u32, height: u32) -> Self {
+        let (interior, lens) = (frame.camera.interior(), frame.camera.distortion());
+        Self {
+            width,
+            height,
+            interior: Interior::Brown {
+                principal_distance: interior.principal_distance(),
+                principal_point: interior.principal_point().into(),
+                skew: interior.skew(),
+                k: lens.radial(),
+                p: lens.decentering(),
+            },
+            exterior: Exterior::from_orientation(&frame.exterior),
+        }
+    }
+}
+
+impl Exterior {
+    /// The library's exterior orientation.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Library`] for a rotation that is none; [`Document::check`] has refused those of a file.
+    pub fn orientation(&self) -> Result<ExteriorOrientation, Error> {
+        let center = Point3::from(self.projection_center);
+        let camera_from_world = match self.rotation {
+            Rotation::QuaternionWxyz([w, x, y, z]) => {
+                let q = Quaternion { w, x, y, z };
+                q.rotation().map_err(in_field("exterior.quaternion_wxyz"))?
+            }
+            Rotation::OmegaPhiKappa([omega, phi, kappa]) => {
+                let angles = OmegaPhiKappa { omega, phi, kappa };
+                return Ok(ExteriorOrientation::from_omega_phi_kappa(center, &angles));
+            }
+            Rotation::RotationMatrix(rows) => {
+                let matrix = Matrix3::from_fn(|i, j| rows[i][j]);
+                orthonormalised(&matrix).map_err(in_field("exterior.rotation_matrix"))?
+            }
+        };
+        Ok(ExteriorOrientation::new(center, camera_from_world))
+    }
+
+    /// The file's form of an exterior orientation, with a quaternion.
+    #[must_use]
+    pub fn from_orientation(exterior: &ExteriorOrientation) -> Self {
+        let q = Quaternion::from_rotation(&exterior.camera_from_world());
+        Self {
+            projection_center: exterior.projection_center().into(),
+            rotation: Rotation::QuaternionWxyz([q.w, q.x, q.y, q.z]),
+        }
+    }
+}
+
+impl PlaneFile {
+    /// The library's plane.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Library`] for a normal without a direction.
+    pub fn plane(&self) -> Result<Plane, Error> {
+        Plane::from_point_and_normal(Point3::from(self.point), Vector3::from(self.normal))
+            .map_err(in_field("normal"))
+    }
+}
+
+impl MapFile {
+    /// The library's map, from a point of the new picture to the point of the old one.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Field`] and [`ErrorKind::Library`] for coefficients outside their domain.
+    pub fn map(&self) -> Result<Box<dyn Map>, Error> {
+        self.check()?;
+        Ok(match self {
+            Self::Homography { matrix } => {
+                let homography = Homography::from_matrix(Matrix3::from_fn(|i, j| matrix[i][j]))
+                    .map_err(in_field("matrix"))?;
+                Box::new(FractionalLinear::from_homography(&homography))
+            }
+            Self::Affine { a, b } => Box::new(Affine2::from_coefficients(*a, *b)),
+            Self::Bilinear { a, b } => {
+                Box::new(Bilinear::from_coefficients(*a, *b).map_err(in_field("a"))?)
+            }
+            Self::Quadratic { a, b } => {
+                Box::new(Quadratic::from_coefficients(*a, *b).map_err(in_field("a"))?)
+            }
+            Self::Cubic { a, b } => {
+                Box::new(Cubic::from_coefficients(*a, *b).map_err(in_field("a"))?)
+            }
+        })
+    }
+}
+
+impl From<&Homography> for MapFile {
+    fn from(homography: &Homography) -> Self {
+        let m = homography.matrix();
+        Self::Homography { matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)])) }
+    }
+}
+
+impl From<&Affine2> for MapFile {
+    fn from(affine: &Affine2) -> Self {
+        let (m, t) = (&affine.linear, &affine.translation);
+        Self::Affine { a: [t.x, m[(0, 0)], m[(0, 1)]], b: [t.y, m[(1, 0)], m[(1, 1)]] }
+    }
+}
+
+impl From<&Bilinear> for MapFile {
+    fn from(map: &Bilinear) -> Self {
+        let [a, b] = map.coefficients();
+        Self::Bilinear { a, b }
+    }
+}
+
+impl From<&Quadratic> for MapFile {
+    fn from(map: &Quadratic) -> Self {
+        let [a, b] = map.coefficients();
+        Self::Quadratic { a, b }
+    }
+}
+
+impl From<&Cubic> for MapFile {
+    fn from(map: &Cubic) -> Self {
+        let [a, b] = map.coefficients();
+        Self::Cubic { a, b }
+    }
+}
+
+impl GtxFile {
+    /// The library's grid, which interpolates.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Library`] for a layout outside its domain.
+    pub fn geoid_grid(self) -> Result<GeoidGrid, Error> {
+        GeoidGrid::new(self.layout, self.undulations_m).map_err(in_field(""))
+    }
+}
+
+fn interior(
+    principal_distance: [f64; 2],
+    principal_point: [f64; 2],
+    skew: f64,
+) -> Result<InteriorOrientation, Error> {
+    InteriorOrientation::new(principal_distance, Point2::from(principal_point), skew)
+        .map_err(in_field("interior.principal_distance"))
+}
+
+fn in_field(field: &'static str) -> impl Fn(collinear::Error) -> Error {
+    move |source| ErrorKind::Library { field: field.to_owned(), source }.into()
+}

@@ -1,0 +1,467 @@
+//! What can be wrong with a file, and where in it.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be read or written.
+///
+/// Its text starts with the file, where there is one, and goes on with the field, line or column.
+#[derive(Debug)]
+pub struct Error(Box<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    path: Option<PathBuf>,
+    kind: ErrorKind,
+}
+
+impl Error {
+    pub(crate) fn new(kind: impl Into<ErrorKind>) -> Self {
+        Self(Box::new(Inner { path: None, kind: kind.into() }))
+    }
+
+    /// Adds the file, unless an inner file is already named.
+    pub(crate) fn in_file(mut self, path: &Path) -> Self {
+        self.0.path.get_or_insert_with(|| path.to_owned());
+        self
+    }
+
+    /// The file, where the input was one.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.0.path.as_deref()
+    }
+
+    /// What is wrong.
+    #[must_use]
+    pub fn kind(&self) -> &ErrorKind {
+        &self.0.kind
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0.path {
+            Some(path) => write!(f, "{}: {}", path.display(), self.0.kind),
+            None => self.0.kind.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        std::error::Error::source(&self.0.kind)
+    }
+}
+
+impl<K: Into<ErrorKind>> From<K> for Error {
+    fn from(kind: K) -> Self {
+        Self::new(kind)
+    }
+}
+
+/// What is wrong with a file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The operating system could not read it.
+    #[error("cannot be read: {0}")]
+    Read(#[source] io::Error),
+    /// The operating system could not write it, or the encoder gave up. What stood there before still stands there.
+    #[error("cannot be written: {0}")]
+    Write(#[source] io::Error),
+    /// The output exists and is a directory, a device or a pipe.
+    #[error("is not a regular file: it cannot be replaced by one, name another output")]
+    NotAFile,
+    /// The output exists and is write-protected.
+    #[error("is write-protected: change its permissions or name another output")]
+    ReadOnly,
+    /// The file is longer than its reader takes.
+    #[error("is {bytes} bytes long, the limit is {limit}")]
+    TooLong {
+        /// Its length.
+        bytes: u64,
+        /// The longest that is read.
+        limit: u64,
+    },
+    /// A text file is not UTF-8.
+    #[error("is not UTF-8 text from byte {valid_up_to} on")]
+    NotText {
+        /// Bytes before the first that is not.
+        valid_up_to: usize,
+    },
+    /// JSON that is malformed, or does not have the documented shape.
+    #[error("{}{message} (line {line}, column {column})", prefix(field))]
+    Json {
+        /// The path to the bad field, as `polygons[3].vertices[1][2]`; empty at the top.
+        field: String,
+        /// What was expected and what was found.
+        message: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1, where the reader noticed: the end of the bad value.
+        column: usize,
+    },
+    /// JSON, but no document of this program.
+    #[error(
+        "is not a collinear {expected} file: such a file starts {{\"collinear\": \"{expected}\", \"version\": {version}, … (docs/formats.md)"
+    )]
+    NotOurs {
+        /// The kind of document wanted.
+        expected: &'static str,
+        /// The version that this program reads.
+        version: u64,
+    },
+    /// A document of another kind.
+    #[error("is a collinear {found} file, a {expected} file is needed here")]
+    WrongKind {
+        /// The kind of document wanted.
+        expected: &'static str,
+        /// The kind that it says it is.
+        found: String,
+    },
+    /// A version of a format that this program does not know.
+    #[error(
+        "has version {found} of the {kind} format, this program reads version {supported}: update collinear, or write the file in version {supported} (docs/formats.md)"
+    )]
+    Version {
+        /// The kind of document.
+        kind: &'static str,
+        /// The version that the file states.
+        found: u64,
+        /// The version that is read.
+        supported: u64,
+    },
+    /// A field has the right shape and a wrong value.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// A line of a table is wrong.
+    #[error("line {line}{}: {problem}", column_suffix(*column))]
+    Line {
+        /// Line, from 1.
+        line: usize,
+        /// The field in the line, from 1, where one is to blame.
+        column: Option<usize>,
+        /// What is wrong with it.
+        problem: LineProblem,
+    },
+    /// A picture cannot be decoded or encoded.
+    #[error(transparent)]
+    Picture(#[from] PictureProblem),
+    /// A geoid grid cannot be read.
+    #[error(transparent)]
+    Grid(#[from] GridProblem),
+    /// The extension of an output names no format that is written.
+    #[error("has {}: name the output {expected}", extension(found.as_deref()))]
+    Extension {
+        /// The extension, without its dot.
+        found: Option<String>,
+        /// The ones that are known, in words.
+        expected: &'static str,
+    },
+    /// A picture does not have the size that its camera states.
+    #[error(
+        "is {} × {} pixels, its camera says {} × {}: a camera belongs to one picture size, scale either",
+        picture[0], picture[1], camera[0], camera[1]
+    )]
+    PictureSize {
+        /// Width and height of the picture.
+        picture: [u32; 2],
+        /// Width and height in the camera file.
+        camera: [u32; 2],
+    },
+    /// A reconstruction that a file does not hold.
+    #[error("holds {count} reconstructions, number {index} (from 0) is not among them")]
+    NoReconstruction {
+        /// The number asked for, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The library refuses the values.
+    #[error("{}{source}", prefix(field))]
+    Library {
+        /// The path to the field that holds them.
+        field: String,
+        /// Its reason.
+        source: collinear::Error,
+    },
+}
+
+/// A field and what is wrong with its value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}{problem}", prefix(field))]
+pub struct FieldError {
+    /// The path to the field, as `polygons[3].coordinates`.
+    pub field: String,
+    /// What is wrong.
+    pub problem: FieldProblem,
+}
+
+impl FieldError {
+    pub(crate) fn new(field: impl Into<String>, problem: FieldProblem) -> Self {
+        Self { field: field.into(), problem }
+    }
+
+    /// The same error seen from the object that holds the field's object under `outer`.
+    pub(crate) fn under(self, outer: &str) -> Self {
+        let dot = if self.field.is_empty() || self.field.starts_with('[') { "" } else { "." };
+        Self { field: format!("{outer}{dot}{}", self.field), problem: self.problem }
+    }
+}
+
+/// What is wrong with a value of the right shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldProblem {
+    /// A number outside its domain.
+    #[error("is {value}, expected {expected}")]
+    OutOfRange {
+        /// The number.
+        value: f64,
+        /// The domain, in words.
+        expected: &'static str,
+    },
+    /// A vector that must have a direction, or a length of one, has not.
+    #[error("has length {norm}, expected {expected}")]
+    Length {
+        /// Its length.
+        norm: f64,
+        /// The length it must have, in words.
+        expected: &'static str,
+    },
+    /// A matrix that is no rotation.
+    #[error(
+        "is no rotation: rows of unit length at right angles are needed, R Rᵀ is off by {deviation}"
+    )]
+    NotARotation {
+        /// The largest entry of R Rᵀ − 1.
+        deviation: f64,
+    },
+    /// A matrix that mirrors.
+    #[error("mirrors: its determinant is −1, exchange an axis or its sign")]
+    Mirrors,
+    /// A matrix that has no inverse.
+    #[error("has no inverse: its determinant is {determinant} after scaling to entries of one")]
+    Singular {
+        /// The determinant after division by the largest entry.
+        determinant: f64,
+    },
+    /// The direction given as up is the normal itself.
+    #[error("is parallel to the normal: give a direction that lies more along the plane")]
+    ParallelToNormal,
+    /// A list with too few entries.
+    #[error("has {found} entries, at least {needed} are needed")]
+    TooFew {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+    },
+    /// A list whose length belongs to another's.
+    #[error("has {found} entries, {expected} are needed: one for each of {of}")]
+    Count {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+        /// What they are counted by.
+        of: &'static str,
+    },
+    /// A name that refers to nothing.
+    #[error("names {what} `{name}`, which is not there: {}", list(known))]
+    UnknownName {
+        /// What it should name.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The names that are there.
+        known: Vec<String>,
+    },
+    /// A name given twice.
+    #[error("is `{name}` like {first}: names must differ")]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// The path to its first use.
+        first: String,
+    },
+    /// A model that cannot be used here.
+    #[error("is `{found}`: {expected}")]
+    Unsupported {
+        /// The model found.
+        found: String,
+        /// What is supported, and what to do.
+        expected: &'static str,
+    },
+}
+
+/// What is wrong with a line of a table.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LineProblem {
+    /// A field that should be a number.
+    #[error("{name} is `{text}`, expected a finite number{}", decimal_comma(text))]
+    NotANumber {
+        /// The column's name.
+        name: String,
+        /// What stands there.
+        text: String,
+    },
+    /// A line with more or fewer fields than the table has columns.
+    #[error("has {found} fields, expected {expected}")]
+    FieldCount {
+        /// The number found.
+        found: usize,
+        /// The number needed.
+        expected: usize,
+    },
+    /// A header without the columns that are needed.
+    #[error("the header is `{header}`, expected the columns X, Y, Z, and perhaps id, x, y, note")]
+    Header {
+        /// The header.
+        header: String,
+    },
+    /// A header that names a column twice.
+    #[error("the column `{name}` stands there twice")]
+    DuplicateColumn {
+        /// The column's name.
+        name: String,
+    },
+    /// One of the two image coordinates without the other.
+    #[error("has one of x and y without the other")]
+    HalfAnImagePoint,
+    /// A quotation mark without its partner.
+    #[error("a quotation mark is not closed in this line")]
+    UnclosedQuote,
+    /// A version of a table that is not known.
+    #[error("says `{found}`, expected {expected}")]
+    Version {
+        /// What the file says.
+        found: String,
+        /// What is read.
+        expected: &'static str,
+    },
+}
+
+/// Why a picture cannot be read or written.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureProblem {
+    /// Neither PNG nor JPEG, whatever its extension says.
+    #[error("is neither PNG nor JPEG: it starts with {start}")]
+    NotAPicture {
+        /// The first bytes, in hexadecimal.
+        start: String,
+    },
+    /// Its header says that it has no pixels.
+    #[error("is {width} × {height} pixels: a picture needs at least one")]
+    Empty {
+        /// Width.
+        width: u32,
+        /// Height.
+        height: u32,
+    },
+    /// More pixels than its reader or its format takes.
+    #[error("is {width} × {height} pixels, the limit is {limit}")]
+    TooLarge {
+        /// Width.
+        width: u32,
+        /// Height.
+        height: u32,
+        /// The limit, in words.
+        limit: String,
+    },
+    /// The file ends before the picture does.
+    #[error("is cut off after {bytes} bytes, before the end of the picture")]
+    Truncated {
+        /// Bytes that are there.
+        bytes: usize,
+    },
+    /// The decoder cannot make sense of it.
+    #[error("is damaged, or of a kind that is not supported: {reason}")]
+    Damaged {
+        /// The decoder's reason.
+        reason: String,
+    },
+    /// A number of channels that the format cannot hold.
+    #[error("has {channels} channels, {format} takes {allowed}")]
+    Channels {
+        /// The number of channels.
+        channels: u8,
+        /// The format.
+        format: &'static str,
+        /// What it takes, in words.
+        allowed: &'static str,
+    },
+    /// The samples do not fill the picture.
+    #[error("has {found} samples, its size needs {expected}")]
+    SampleCount {
+        /// Samples there are.
+        found: usize,
+        /// Samples there should be.
+        expected: u64,
+    },
+}
+
+/// Why a geoid grid cannot be read.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GridProblem {
+    /// The file's length is not that of its header and grid.
+    #[error("is {bytes} bytes long, a grid of {rows} rows and {columns} columns needs {expected}")]
+    FileLength {
+        /// Its length.
+        bytes: u64,
+        /// Rows in the header.
+        rows: i32,
+        /// Columns in the header.
+        columns: i32,
+        /// The length that follows.
+        expected: u64,
+    },
+    /// Too short for a header.
+    #[error("is {bytes} bytes long, the header alone has 40")]
+    NoHeader {
+        /// Its length.
+        bytes: usize,
+    },
+    /// A header field that no geoid grid has.
+    #[error("{what} is {value}, expected {expected}: this is no GTX file")]
+    Header {
+        /// Which field.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its domain, in words.
+        expected: &'static str,
+    },
+}
+
+fn prefix(field: &str) -> String {
+    if field.is_empty() { String::new() } else { format!("{field}: ") }
+}
+
+fn column_suffix(column: Option<usize>) -> String {
+    column.map_or_else(String::new, |c| format!(", field {c}"))
+}
+
+fn extension(found: Option<&str>) -> String {
+    found.map_or_else(|| "no extension".into(), |e| format!("the unknown extension `.{e}`"))
+}
+
+fn decimal_comma(text: &str) -> &'static str {
+    if text.contains(',') { " (with a decimal point)" } else { "" }
+}
+
+fn list(known: &[String]) -> String {
+    const SHOWN: usize = 8;
+    if known.is_empty() {
+        return "there are none".into();
+    }
+    let shown: Vec<String> = known.iter().take(SHOWN).map(|n| format!("`{n}`")).collect();
+    let more = known.len().saturating_sub(SHOWN);
+    let rest = if more == 0 { String::new() } else { format!(" and {more} more") };
+    format!("there are {}{rest}", shown.join(", "))
+}

@@ -1,0 +1,54 @@
+//! Files for [`collinear`]: what a camera, a plane, a map, a scene, a list of points or a picture looks like on disk.
+//!
+//! | what | module | format |
+//! | --- | --- | --- |
+//! | camera, plane, map, scene | [`camera`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
+//! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
+//! | world points, with or without their image points | [`points`] | CSV |
+//! | pictures | [`picture`] | PNG, JPEG |
+//! | geoid undulations | [`gtx`] | GTX |
+//!
+//! Readers give plain values and know no algorithm; [`convert`] turns them into the library's types. Every [`Error`]
+//! names the file, and the field, line or column in it. Every output is written with [`write_atomically`]: after an
+//! error the old file is still there.
+//!
+#![doc = include_str!("../docs/figures/io.svg")]
+//!
+//! # Example
+//!
+//! ```
+//! use collinear_io::Document;
+//! use collinear_io::camera::CameraFile;
+//!
+//! let text = r#"{
+//!   "collinear": "camera", "version": 1, "width": 640, "height": 480,
+//!   "interior": { "model": "pinhole", "principal_distance": [500, 500], "principal_point": [320, "240"] },
+//!   "exterior": { "projection_center": [0, 0, 10], "omega_phi_kappa": [0, 0, 0] }
+//! }"#;
+//! let error = CameraFile::parse(text).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "interior.principal_point[1]: expected a number, found the string \"240\" (line 3, column 100)"
+//! );
+//! ```
+
+mod atomic;
+mod check;
+mod error;
+mod json;
+
+pub mod camera;
+pub mod convert;
+pub mod gtx;
+pub mod map;
+pub mod opensfm;
+pub mod picture;
+pub mod plane;
+pub mod points;
+pub mod scene;
+
+pub use atomic::write_atomically;
+pub use error::{
+    Error, ErrorKind, FieldError, FieldProblem, GridProblem, LineProblem, PictureProblem,
+};
+pub use json::Document;

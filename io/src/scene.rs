@@ -1,0 +1,312 @@
+//! Scene files: photographs with their cameras, polygons, and the view to make.
+
+mod polygon;
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
+use serde::{Deserialize as DeriveDeserialize, Serialize};
+
+pub use polygon::{Fill, Polygon, TexturePoint};
+
+use crate::camera::{CameraFile, Interior};
+use crate::check::{in_range, norm};
+use crate::error::{Error, FieldError, FieldProblem};
+use crate::json::{Document, object};
+
+/// The near distance, where the file gives none, as a part of the distance to the farthest vertex.
+const NEAR: f64 = 1e-3;
+
+/// A scene as its file states it. Fields, units and defaults: `docs/formats.md`, "scene".
+#[derive(Clone, Debug, PartialEq, Serialize, DeriveDeserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// The photographs that polygons may show.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "object::list")]
+    pub photographs: Vec<Photograph>,
+    /// The pictures that polygons may show by coordinates at their vertices.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "object::list")]
+    pub textures: Vec<Texture>,
+    /// What is to be seen.
+    pub polygons: Vec<Polygon>,
+    /// The camera of the picture to make: pinhole or orthographic.
+    pub view: CameraSource,
+    /// The colour where no polygon is: red, green, blue.
+    #[serde(default)]
+    pub background: [u8; 3],
+    /// The depth, in world units along the view's axis, before which nothing is drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near: Option<f64>,
+    /// Which polygons are drawn, by the side that they show.
+    #[serde(default)]
+    pub cull: Cull,
+    /// How a colour is taken from between pixels.
+    #[serde(default)]
+    pub filter: Filter,
+    /// How texture coordinates go from vertex to vertex.
+    #[serde(default)]
+    pub interpolation: Interpolation,
+}
+
+/// A photograph and its camera.
+#[derive(Clone, Debug, PartialEq, Serialize, DeriveDeserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Photograph {
+    /// Its name, by which polygons refer to it.
+    pub name: String,
+    /// The picture, relative to the scene file.
+    pub image: PathBuf,
+    /// Its camera.
+    pub camera: CameraSource,
+}
+
+/// A picture to be laid on by texture coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, DeriveDeserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Texture {
+    /// Its name, by which polygons refer to it.
+    pub name: String,
+    /// The picture, relative to the scene file.
+    pub image: PathBuf,
+    /// What is beyond its edge.
+    #[serde(default)]
+    pub border: Border,
+}
+
+/// A camera, or the file that has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum CameraSource {
+    /// The camera.
+    Inline(CameraFile),
+    /// A camera file, relative to the scene file.
+    File(PathBuf),
+}
+
+/// What is beyond the edge of a texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, DeriveDeserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Border {
+    /// The colour at the edge.
+    #[default]
+    Clamp,
+    /// The texture again.
+    Repeat,
+    /// The texture again, every other time mirrored.
+    Mirror,
+    /// Nothing: what lies behind is seen.
+    Transparent,
+}
+
+/// Which polygons are drawn, by the side that they show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, DeriveDeserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cull {
+    /// Both sides.
+    #[default]
+    None,
+    /// The front alone, whose vertices go counter-clockwise as seen.
+    Back,
+}
+
+/// How a colour is taken from between pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, DeriveDeserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Filter {
+    /// The pixel that the point lies in.
+    Nearest,
+    /// The four pixels around the point, by distance.
+    #[default]
+    Bilinear,
+}
+
+/// How texture coordinates go from vertex to vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, DeriveDeserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// As perspective has it: hyperbolically along a line.
+    #[default]
+    Perspective,
+    /// Linearly on the screen, triangle by triangle: wrong, to be seen.
+    Linear,
+    /// Bilinearly on the screen over a quadrilateral: wrong, to be seen.
+    Bilinear,
+}
+
+impl Document for SceneFile {
+    const KIND: &'static str = "scene";
+    const VERSION: u64 = 1;
+
+    fn check(&self) -> Result<(), FieldError> {
+        let mut photographs = Names::new("photographs");
+        for (i, p) in self.photographs.iter().enumerate() {
+            photographs.add(i, &p.name)?;
+            p.camera.check().map_err(|e| e.under(&format!("photographs[{i}].camera")))?;
+        }
+        let mut textures = Names::new("textures");
+        for (i, t) in self.textures.iter().enumerate() {
+            textures.add(i, &t.name)?;
+        }
+        let mut polygons = Names::new("polygons");
+        for (i, p) in self.polygons.iter().enumerate() {
+            let under = |e: FieldError| e.under(&format!("polygons[{i}]"));
+            if let Some(name) = &p.name {
+                polygons.add(i, name)?;
+            }
+            p.check().map_err(under)?;
+            match &p.fill {
+                Fill::Photograph(name) => {
+                    photographs.find("a photograph", "photograph", name).map_err(under)?;
+                }
+                Fill::Texture { name, .. } => {
+                    textures.find("a texture", "texture", name).map_err(under)?;
+                }
+                Fill::Color(_) => {}
+            }
+        }
+        self.view.check().map_err(|e| e.under("view"))?;
+        if let CameraSource::Inline(CameraFile { interior: Interior::Brown { .. }, .. }) = self.view
+        {
+            let expected = "a view has no lens, its model is `pinhole` or `orthographic`";
+            let problem = FieldProblem::Unsupported { found: "brown".into(), expected };
+            return Err(FieldError::new("view.interior.model", problem));
+        }
+        self.near.map_or(Ok(()), |n| in_range("near", n, "a finite number above 0", |v| v > 0.0))
+    }
+}
+
+impl SceneFile {
+    /// Reads a scene and every camera file it names; its pictures' paths then start from the working folder.
+    ///
+    /// # Errors
+    /// As [`Document::read`], for the scene or for the first bad camera file, which the error names.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::read(path)?.resolved(folder).map_err(|e| e.in_file(path))
+    }
+
+    /// The same scene with every path joined to the scene file's folder, and every camera file read.
+    ///
+    /// # Errors
+    /// That of the first camera file that cannot be read; its path is in the error.
+    pub fn resolved(&self, folder: &Path) -> Result<Self, Error> {
+        let mut scene = self.clone();
+        for photograph in &mut scene.photographs {
+            photograph.image = folder.join(&photograph.image);
+            photograph.camera.resolve(folder)?;
+        }
+        for texture in &mut scene.textures {
+            texture.image = folder.join(&texture.image);
+        }
+        scene.view.resolve(folder)?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The near distance: the file's, or 10⁻³ of the distance from the view's projection centre to the farthest vertex.
+    ///
+    /// # Errors
+    /// That of the view's camera file, where it stands in one. A resolved scene has no such error.
+    pub fn near_distance(&self, folder: &Path) -> Result<f64, Error> {
+        if let Some(near) = self.near {
+            return Ok(near);
+        }
+        let eye = self.view.camera(folder)?.exterior.projection_center;
+        let distance = |v: &[f64; 3]| norm(&[v[0] - eye[0], v[1] - eye[1], v[2] - eye[2]]);
+        let farthest =
+            self.polygons.iter().flat_map(|p| &p.vertices).map(distance).fold(0.0, f64::max);
+        // All vertices in the eye: nothing will be drawn, and any positive distance says so.
+        Ok(if farthest > 0.0 { NEAR * farthest.min(f64::MAX) } else { NEAR })
+    }
+}
+
+impl CameraSource {
+    /// The camera, read from its file where it stands in one.
+    ///
+    /// # Errors
+    /// That of the camera file.
+    pub fn camera(&self, folder: &Path) -> Result<CameraFile, Error> {
+        match self {
+            Self::Inline(camera) => Ok(camera.clone()),
+            Self::File(path) => CameraFile::read(&folder.join(path)),
+        }
+    }
+
+    fn resolve(&mut self, folder: &Path) -> Result<(), Error> {
+        *self = Self::Inline(self.camera(folder)?);
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), FieldError> {
+        match self {
+            Self::Inline(camera) => camera.check(),
+            Self::File(_) => Ok(()),
+        }
+    }
+}
+
+// By hand, since an untagged enum forgets where in the file an error is.
+impl<'de> Deserialize<'de> for CameraSource {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Source;
+
+        impl<'de> Visitor<'de> for Source {
+            type Value = CameraSource;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a camera or the path of a camera file")
+            }
+
+            fn visit_str<E: de::Error>(self, path: &str) -> Result<CameraSource, E> {
+                Ok(CameraSource::File(path.into()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<CameraSource, A::Error> {
+                CameraFile::deserialize(MapAccessDeserializer::new(map)).map(CameraSource::Inline)
+            }
+        }
+
+        deserializer.deserialize_any(Source)
+    }
+}
+
+/// The names of one list, and where each stands.
+struct Names<'a> {
+    list: &'static str,
+    seen: HashMap<&'a str, usize>,
+    order: Vec<&'a str>,
+}
+
+impl<'a> Names<'a> {
+    fn new(list: &'static str) -> Self {
+        Self { list, seen: HashMap::new(), order: Vec::new() }
+    }
+
+    fn add(&mut self, index: usize, name: &'a str) -> Result<(), FieldError> {
+        self.order.push(name);
+        match self.seen.insert(name, index) {
+            None => Ok(()),
+            Some(first) => Err(FieldError::new(
+                format!("{}[{index}].name", self.list),
+                FieldProblem::DuplicateName {
+                    name: name.to_owned(),
+                    first: format!("{}[{first}].name", self.list),
+                },
+            )),
+        }
+    }
+
+    fn find(&self, what: &'static str, field: &str, name: &str) -> Result<(), FieldError> {
+        if self.seen.contains_key(name) {
+            return Ok(());
+        }
+        let known = self.order.iter().map(|n| (*n).to_owned()).collect();
+        Err(FieldError::new(
+            field,
+            FieldProblem::UnknownName { what, name: name.to_owned(), known },
+        ))
+    }
+}

@@ -1,0 +1,31 @@
+//! The tests of the files, in one binary.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test panics to fail")]
+
+mod atomic;
+mod convert;
+mod documents;
+mod formats_page;
+mod gtx;
+mod hostile;
+mod opensfm;
+mod pictures;
+mod points;
+mod scene;
+
+use std::path::PathBuf;
+
+/// The shared test data, which is not part of the repository: `COLLINEAR_DATA`, or `../shared/data` beside it.
+fn shared_data(what: &str) -> Option<PathBuf> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
+    let folder =
+        std::env::var_os("COLLINEAR_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from);
+    let path = folder.join(what);
+    if path.exists() {
+        return Some(path);
+    }
+    #[allow(clippy::print_stderr, reason = "a test that tests nothing must say so")]
+    {
+        eprintln!("skipped: {} is not there (COLLINEAR_DATA names its folder)", path.display());
+    }
+    None
+}

@@ -1,0 +1,255 @@
+//! Scenes: references, counts, defaults, camera files beside them.
+
+use collinear_io::camera::CameraFile;
+use collinear_io::scene::{
+    Border, CameraSource, Cull, Fill, Filter, Interpolation, SceneFile, TexturePoint,
+};
+use collinear_io::{Document, ErrorKind, FieldError};
+
+const CAMERA: &str = r#"{ "width": 640, "height": 480,
+  "interior": { "model": "pinhole", "principal_distance": [500, 500], "principal_point": [320, 240] },
+  "exterior": { "projection_center": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0] } }"#;
+
+const SCENE: &str = r#"{ "collinear": "scene", "version": 1,
+"photographs": [
+  { "name": "north", "image": "n.jpg", "camera": CAMERA },
+  { "name": "south", "image": "pictures/s.jpg", "camera": CAMERA }
+],
+"textures": [ { "name": "brick", "image": "brick.png", "border": "repeat" } ],
+"polygons": [
+  { "name": "wall", "vertices": [[0, 0, 5], [3, 0, 5], [3, 4, 5]], "photograph": "south" },
+  { "vertices": [[0, 0, 5], [3, 0, 5], [3, 4, 5]], "texture": "brick", "coordinates": [[0, 0], [8, 0], [8, 8, 2]] },
+  { "vertices": [[0, 0, 5], [30, 0, 40], [3, 4, 5]], "color": [1, 2, 255] }
+],
+"view": CAMERA }"#;
+
+fn parse(from: &str, to: &str) -> Result<SceneFile, collinear_io::Error> {
+    assert!(from.is_empty() || SCENE.contains(from), "{from} is not in the template");
+    SceneFile::parse(&SCENE.replacen(from, to, 1).replace("CAMERA", CAMERA))
+}
+
+fn error(from: &str, to: &str) -> String {
+    parse(from, to).unwrap_err().to_string()
+}
+
+#[test]
+fn a_scene_has_the_documented_defaults() {
+    let scene = parse("", "").unwrap();
+    assert_eq!(scene.background, [0, 0, 0]);
+    assert_eq!(
+        (scene.cull, scene.filter, scene.interpolation),
+        (Cull::None, Filter::Bilinear, Interpolation::Perspective)
+    );
+    assert_eq!(scene.textures[0].border, Border::Repeat);
+    // The farthest vertex is (30, 0, 40), 50 away.
+    assert!((scene.near_distance("".as_ref()).unwrap() - 0.05).abs() < 1e-15);
+    let Fill::Texture { coordinates, .. } = &scene.polygons[1].fill else { panic!("a texture") };
+    assert_eq!(coordinates[1], TexturePoint { u: 8.0, v: 0.0, w: 1.0 });
+    assert_eq!(coordinates[2], TexturePoint { u: 8.0, v: 8.0, w: 2.0 });
+    assert_eq!(scene.polygons[2].fill, Fill::Color([1, 2, 255]));
+    let bare = parse(
+        r#""textures": [ { "name": "brick", "image": "brick.png", "border": "repeat" } ],"#,
+        r#""textures": [ { "name": "brick", "image": "brick.png" } ], "near": 2.5,"#,
+    )
+    .unwrap();
+    assert_eq!(bare.textures[0].border, Border::Clamp);
+    assert_eq!(bare.near_distance("".as_ref()).unwrap(), 2.5);
+}
+
+#[test]
+fn a_scene_survives_its_file() {
+    for options in [
+        "",
+        r#""near": 0.25, "cull": "back", "filter": "nearest", "interpolation": "bilinear", "background": [9, 8, 7],"#,
+    ] {
+        let scene = parse(r#""polygons""#, &format!(r#"{options} "polygons""#)).unwrap();
+        assert_eq!(SceneFile::parse(&scene.to_json().unwrap()).unwrap(), scene);
+    }
+}
+
+#[test]
+fn references_counts_and_names_are_checked_with_the_path_to_the_field() {
+    for (from, to, expected) in [
+        (
+            r#""photograph": "south""#,
+            r#""photograph": "west""#,
+            "polygons[0].photograph: names a photograph `west`, which is not there: there are `north`, `south`",
+        ),
+        (
+            r#""texture": "brick""#,
+            r#""texture": "stone""#,
+            "polygons[1].texture: names a texture `stone`, which is not there: there are `brick`",
+        ),
+        (
+            r#""texture": "brick""#,
+            r#""texture": "south""#,
+            "polygons[1].texture: names a texture `south`, which is not there: there are `brick`",
+        ),
+        (
+            ", [8, 8, 2]]",
+            "]",
+            "polygons[1].coordinates: has 2 entries, 3 are needed: one for each of the vertices",
+        ),
+        (
+            "[8, 8, 2]",
+            "[8, 8, 0]",
+            "polygons[1].coordinates[2][2]: is 0, expected a weight above 0",
+        ),
+        (
+            "[8, 8, 2]",
+            "[8, 8, -2]",
+            "polygons[1].coordinates[2][2]: is -2, expected a weight above 0",
+        ),
+        (", [3, 4, 5]]", "]", "polygons[0].vertices: has 2 entries, at least 3 are needed"),
+        (
+            r#""south", "image""#,
+            r#""north", "image""#,
+            "photographs[1].name: is `north` like photographs[0].name: names must differ",
+        ),
+        (
+            r#"{ "vertices""#,
+            r#"{ "name": "wall", "vertices""#,
+            "polygons[1].name: is `wall` like polygons[0].name: names must differ",
+        ),
+        (r#""view""#, r#""near": 0, "view""#, "near: is 0, expected a finite number above 0"),
+    ] {
+        assert_eq!(error(from, to), expected);
+    }
+}
+
+#[test]
+fn shapes_are_checked_with_the_path_to_the_field() {
+    for (from, to, expected) in [
+        (
+            "[3, 0, 5]",
+            "[3, 0, \"5\"]",
+            "polygons[0].vertices[1][2]: expected a number, found the string \"5\" (line 12, ",
+        ),
+        (
+            "[3, 0, 5]",
+            "[3, 0]",
+            "polygons[0].vertices[1]: expected a list of 3, found 2 entries (line 12, ",
+        ),
+        (
+            "[8, 0]",
+            "[8]",
+            "polygons[1].coordinates[1]: expected a list of 2 or 3, found 1 entries (line 13, ",
+        ),
+        (
+            "[8, 0]",
+            "[8, 0, 1, 1]",
+            "polygons[1].coordinates[1]: has more entries than expected (line 13, ",
+        ),
+        (
+            "[1, 2, 255]",
+            "[1, 2, 256]",
+            "polygons[2].color[2]: expected a whole number from 0 to 255, found 256 (line 14, ",
+        ),
+        (
+            r#""photograph": "south""#,
+            r#""photograph": "south", "color": [0, 0, 0]"#,
+            "polygons[0]: give exactly one of `photograph`, `texture`, `color` (line ",
+        ),
+        (
+            r#", "photograph": "south""#,
+            "",
+            "polygons[0]: give exactly one of `photograph`, `texture`, `color` (line ",
+        ),
+        (
+            r#""photograph": "south""#,
+            r#""photograph": "south", "coordinates": []"#,
+            "polygons[0]: has `coordinates`, which only a `texture` uses (line ",
+        ),
+        (
+            r#", "coordinates": [[0, 0], [8, 0], [8, 8, 2]]"#,
+            "",
+            "polygons[1]: has a `texture` and needs `coordinates`, one for each vertex (line ",
+        ),
+        (
+            "\"repeat\"",
+            "\"tile\"",
+            "textures[0].border: expected one of `clamp`, `repeat`, `mirror`, `transparent`, found `tile` (line 10, ",
+        ),
+        (
+            r#""view": CAMERA"#,
+            r#""view": 3"#,
+            "view: expected a camera or the path of a camera file, found 3 (line 16, ",
+        ),
+        (
+            r#"{ "name": "brick", "image": "brick.png", "border": "repeat" }"#,
+            r#"["brick", "brick.png", "repeat"]"#,
+            "textures[0]: expected an object, found a list (line 10, ",
+        ),
+        (
+            r#"{ "name": "wall""#,
+            r#"[], { "name": "wall""#,
+            "polygons[0]: expected an object, found a list (line 12, ",
+        ),
+        (r#""view""#, r#""veiw""#, "veiw: unknown field, did you mean `view`? (line 16, "),
+    ] {
+        let got = error(from, to);
+        assert!(got.starts_with(expected), "{got}");
+    }
+    let inside = SCENE
+        .replacen("CAMERA", &CAMERA.replace("[320, 240]", "[320, true]"), 1)
+        .replace("CAMERA", CAMERA);
+    let got = SceneFile::parse(&inside).unwrap_err().to_string();
+    assert!(got.starts_with("photographs[0].camera.interior.principal_point[1]: expected a number, found true (line 4, "), "{got}");
+    let inside = SCENE.replacen("CAMERA", &CAMERA.replace("640", "0"), 1).replace("CAMERA", CAMERA);
+    assert_eq!(
+        SceneFile::parse(&inside).unwrap_err().to_string(),
+        "photographs[0].camera.width: is 0, expected at least 1 pixel"
+    );
+}
+
+#[test]
+fn a_view_has_no_lens() {
+    let view = format!("\"view\": {}", CAMERA.replace("pinhole", "brown"));
+    let got = error("\"view\": CAMERA", &view);
+    assert_eq!(
+        got,
+        "view.interior.model: is `brown`: a view has no lens, its model is `pinhole` or `orthographic`"
+    );
+}
+
+#[test]
+fn camera_files_are_found_from_the_scene_and_named_in_its_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "scene.json",
+        &SCENE.replacen("CAMERA", "\"cameras/n.json\"", 1).replace("CAMERA", CAMERA),
+    );
+    let path = folder.path().join("scene.json");
+
+    let scene = SceneFile::read(&path).unwrap();
+    assert_eq!(scene.photographs[0].camera, CameraSource::File("cameras/n.json".into()));
+    let missing = SceneFile::open(&path).unwrap_err();
+    assert_eq!(missing.path(), Some(folder.path().join("cameras/n.json").as_path()));
+
+    std::fs::create_dir(folder.path().join("cameras")).unwrap();
+    let file = CAMERA.replacen('{', "{ \"collinear\": \"camera\", \"version\": 1, ", 1);
+    write("cameras/n.json", &file.replace("240", "-"));
+    let broken = SceneFile::open(&path).unwrap_err();
+    assert!(matches!(broken.kind(), ErrorKind::Json { .. }), "{broken}");
+    assert_eq!(broken.path(), Some(folder.path().join("cameras/n.json").as_path()));
+
+    write("cameras/n.json", &file);
+    let open = SceneFile::open(&path).unwrap();
+    assert_eq!(open.photographs[0].camera, CameraSource::Inline(CameraFile::parse(&file).unwrap()));
+    assert_eq!(open.photographs[1].image, folder.path().join("pictures/s.jpg"));
+
+    write(
+        "scene.json",
+        &SCENE
+            .replace("\"view\": CAMERA", "\"view\": \"cameras/n.json\"")
+            .replace("CAMERA", CAMERA),
+    );
+    write("cameras/n.json", &file.replace("pinhole", "brown"));
+    let lens = SceneFile::open(&path).unwrap_err();
+    assert!(
+        matches!(lens.kind(), ErrorKind::Field(FieldError { field, .. }) if field == "view.interior.model"),
+        "{lens}"
+    );
+    assert_eq!(lens.path(), Some(path.as_path()));
+}
