@@ -5,6 +5,7 @@
 macro_rules! unary {
     ($($name:ident),*) => {$(
         #[inline]
+        #[allow(dead_code, reason = "one set for all modules, whatever the features")]
         pub(crate) fn $name(x: f64) -> f64 {
             #[cfg(feature = "std")]
             { x.$name() }
@@ -26,6 +27,7 @@ pub(crate) fn ln(x: f64) -> f64 {
 
 /// `x` to the power `y`.
 #[inline]
+#[allow(dead_code, reason = "one set for all modules, whatever the features")]
 pub(crate) fn powf(x: f64, y: f64) -> f64 {
     #[cfg(feature = "std")]
     return x.powf(y);

@@ -4,7 +4,8 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "a test fails by panicking, and says what it skips"
+    unreachable_pub,
+    reason = "a test fails by panicking and says what it skips; helpers are shared within one binary"
 )]
 
 mod camera;

@@ -71,7 +71,7 @@ impl AzimuthTiltSwing {
         Self { azimuth, tilt, swing }
     }
 
-    /// The matrix whose columns are the left rotation vectors of a unit change of azimuth, tilt, swing: δM = [δθ]× M and
+    /// The matrix whose columns are the left rotation vectors of a unit change of azimuth, tilt, swing: δM = \[δθ\]× M and
     /// δθ = J (δα, δt, δs)ᵀ. Singular for a vertical photograph.
     #[must_use]
     pub fn left_from_angles(&self) -> Matrix3<f64> {
