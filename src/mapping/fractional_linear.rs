@@ -166,7 +166,7 @@ impl FractionalLinear {
             });
         }
         let s = Matrix3::from_columns(screen);
-        let lengths: f64 = screen.iter().map(nalgebra::Vector3::norm).product();
+        let lengths: f64 = screen.iter().map(Vector3::norm).product();
         let measure = s.determinant().abs() / lengths;
         let limit = 1e-14;
         let inverse = match s.try_inverse() {

@@ -15,10 +15,12 @@
 
 mod canvas;
 mod coordinates;
+mod interpolation;
 mod polygon;
 mod scan;
 
 pub use canvas::{Canvas, Paint};
 pub use coordinates::from_vertices;
+pub use interpolation::{bilinear_quad, linear_triangles};
 pub use polygon::{Facing, ScreenPolygon};
 pub use scan::Span;

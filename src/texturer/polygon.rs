@@ -105,6 +105,51 @@ impl ScreenPolygon {
         &self.vertices
     }
 
+    /// The polygon of some of this one's vertices, in the order given.
+    pub(super) fn piece(&self, indices: &[usize]) -> Option<Self> {
+        Some(Self {
+            vertices: indices
+                .iter()
+                .map(|&i| self.vertices.get(i).copied())
+                .collect::<Option<_>>()?,
+            snapped: indices
+                .iter()
+                .map(|&i| self.snapped.get(i).copied())
+                .collect::<Option<_>>()?,
+        })
+    }
+
+    /// Triangles that cover the polygon, as indices of its vertices, by cutting off ears (Meisters 1975). Exact on the
+    /// snapped vertices; an outline that crosses itself is cut as far as it goes.
+    pub(super) fn triangles(&self) -> Vec<[usize; 3]> {
+        let turn = self.doubled_area().signum();
+        let cross = |a: Snapped, b: Snapped, c: Snapped| {
+            let d = |p: Snapped, q: Snapped, k: usize| i128::from(q[k]) - i128::from(p[k]);
+            turn * (d(a, b, 1) * d(a, c, 0) - d(a, b, 0) * d(a, c, 1))
+        };
+        let corner = |i: usize| self.snapped.get(i).copied().unwrap_or_default();
+        let mut rest: Vec<usize> = (0..self.snapped.len()).collect();
+        let mut triangles = Vec::new();
+        while rest.len() >= 3 {
+            let n = rest.len();
+            let ear = (0..n).find(|&k| {
+                let [i, j, l] = [rest[(k + n - 1) % n], rest[k], rest[(k + 1) % n]];
+                let [a, b, c] = [i, j, l].map(corner);
+                cross(a, b, c) > 0
+                    && rest.iter().map(|&m| corner(m)).filter(|p| ![a, b, c].contains(p)).all(|p| {
+                        !(cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0)
+                    })
+            });
+            // Without an ear only slivers are left; taking a vertex off loses no pixel of a simple outline.
+            let k = ear.unwrap_or(0);
+            if ear.is_some() {
+                triangles.push([rest[(k + n - 1) % n], rest[k], rest[(k + 1) % n]]);
+            }
+            rest.remove(k);
+        }
+        triangles
+    }
+
     /// Whether nothing is left to draw.
     #[must_use]
     pub fn is_empty(&self) -> bool {
