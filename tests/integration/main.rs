@@ -4,8 +4,10 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
+    clippy::inconsistent_digit_grouping,
     unreachable_pub,
-    reason = "a test fails by panicking and says what it skips; helpers are shared within one binary"
+    unused_qualifications,
+    reason = "a test fails by panicking and says what it skips; helpers are shared within one binary; digits are as printed"
 )]
 
 mod camera;
