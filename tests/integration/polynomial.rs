@@ -318,8 +318,8 @@ proptest! {
                 let _ = fit.map.inverse(&p(3));
             }
         }
-        if let Ok(q) = Bilinear::from_quad(&[p(0), p(1), p(2), p(3)]).and_then(|map| Ok(map.inverse(&p(5))?)) {
-            prop_assert!(finite(q));
+        if let Ok(map) = Bilinear::from_quad(&[p(0), p(1), p(2), p(3)]) {
+            prop_assert!(map.inverse(&p(5)).map_or(true, finite));
         }
         if let Ok(map) = Cubic::from_coefficients(std::array::from_fn(|i| v[i]), std::array::from_fn(|i| v[i + 5])) {
             if let Ok(q) = map.inverse(&p(1)) { prop_assert!(finite(q.point)); }
