@@ -90,7 +90,7 @@ impl FractionalLinear {
     /// ```
     ///
     /// homogeneous, with its fourth component E·σ. For a perspective screen E·σ is the inverse depth 1/Z of the point; for
-    /// a parallel one it is 1. H is the product of [WD]'s two transformations (texture from object, object from screen;
+    /// a parallel one it is 1. H is the product of \[WD\]'s two transformations (texture from object, object from screen;
     /// after Devich & Weinhaus 1980), derived here from eq. 4a and 4b.
     ///
     /// # Errors
@@ -125,7 +125,7 @@ impl FractionalLinear {
         Self::from_forms(texture_from_world * world, world.row(3).into_owned())
     }
 
-    /// The map through four points of a plane, projected into both cameras ([WD] after eq. 2: four pairs determine the
+    /// The map through four points of a plane, projected into both cameras (\[WD\] after eq. 2: four pairs determine the
     /// eight unknowns).
     ///
     /// # Errors
@@ -147,11 +147,11 @@ impl FractionalLinear {
         Self::from_forms(*Homography::from_quads(&from, &to)?.matrix(), eye)
     }
 
-    /// The map of a triangle from three pairs of homogeneous points, [WD] eq. 3: M = T S⁻¹.
+    /// The map of a triangle from three pairs of homogeneous points, \[WD\] eq. 3: M = T S⁻¹.
     ///
     /// `texture[i]` is (w u, w v, w), with w = 1 where the texture is laid on by coordinates or orthogonally and w its
     /// camera's depth where it is projected; `screen[i]` is (W S, W L, W), W the depth. Nine numbers are determined, R₀
-    /// among them. The numerators are then [S]'s xˡ/w, yˡ/w and the denominator wˡ/w (eq. 7); E is 1/W.
+    /// among them. The numerators are then \[S\]'s xˡ/w, yˡ/w and the denominator wˡ/w (eq. 7); E is 1/W.
     ///
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a W that is not positive (clip first); [`Error::Degenerate`] where
@@ -181,7 +181,7 @@ impl FractionalLinear {
         Self::from_forms(Matrix3::from_columns(texture) * inverse, inverse.row_sum())
     }
 
-    /// The map of a triangle through its vertices and its centroid ([WD], before eq. 3). The centroid is that of the
+    /// The map of a triangle through its vertices and its centroid (\[WD\], before eq. 3). The centroid is that of the
     /// triangle in space, projected; the centroid of the projected vertices is another point.
     ///
     /// # Errors
@@ -222,7 +222,7 @@ impl FractionalLinear {
         Self { matrix: *texture_from_screen.matrix(), eye: RowVector3::new(0.0, 0.0, 1.0) }
     }
 
-    /// From [WD]'s coefficients (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) and the eye's form (E₀, E₁, E₂).
+    /// From \[WD\]'s coefficients (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) and the eye's form (E₀, E₁, E₂).
     ///
     /// # Errors
     /// [`Error::NotFinite`].
@@ -244,7 +244,7 @@ impl FractionalLinear {
         }
     }
 
-    /// (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) of [WD] eq. 1.
+    /// (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) of \[WD\] eq. 1.
     #[must_use]
     pub fn coefficients(&self) -> [[f64; 3]; 3] {
         [0, 1, 2].map(|i| {
@@ -314,7 +314,7 @@ impl HomogeneousCamera {
     /// How near a plane is at each pixel, as a linear function of the screen: (N₀, N₁, N₂) of N₀ + N₁S + N₂L, larger for
     /// nearer points.
     ///
-    /// For a perspective camera it is the inverse depth 1/Z ([WD] after Fuchs et al. 1985), zero on the plane's horizon and
+    /// For a perspective camera it is the inverse depth 1/Z (\[WD\] after Fuchs et al. 1985), zero on the plane's horizon and
     /// negative beyond. For a parallel one, which has no such depth, it is −Z′.
     ///
     /// # Errors
