@@ -1,5 +1,7 @@
 //! The cost of making and applying homographies.
 
+#![allow(clippy::expect_used, reason = "a bench stops where its data are wrong")]
+
 use std::hint::black_box;
 
 use collinear::geometry::Homography;

@@ -23,3 +23,6 @@ pub use error::{Error, ProjectionError};
 #[cfg(feature = "std")]
 pub use glam;
 pub use nalgebra;
+
+#[doc = include_str!("../docs/conventions.md")]
+pub mod _conventions {}

@@ -3,14 +3,18 @@
 use collinear::camera::{
     Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation, Orthographic, SensorModel,
 };
-use collinear::geometry::{Affine2, Plane};
-use collinear::nalgebra::{
-    Matrix3, Point2, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3,
-};
+use collinear::geometry::geodetic::GeoidGrid;
+use collinear::geometry::rotation::{OmegaPhiKappa, Quaternion, orthonormalised};
+use collinear::geometry::{Affine2, Homography, Plane};
+use collinear::mapping::polynomial::{Bilinear, Cubic, Quadratic};
+use collinear::mapping::{FractionalLinear, Map};
+use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
 
 use crate::camera::{CameraFile, Exterior, Interior, Rotation};
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
+use crate::gtx::GtxFile;
 use crate::json::Document;
+use crate::map::MapFile;
 use crate::plane::PlaneFile;
 
 /// The camera of a file, as the library has it.
@@ -122,37 +126,31 @@ impl Exterior {
     /// # Errors
     /// [`ErrorKind::Library`] for a rotation that is none; [`Document::check`] has refused those of a file.
     pub fn orientation(&self) -> Result<ExteriorOrientation, Error> {
-        let camera_from_world = match &self.rotation {
+        let center = Point3::from(self.projection_center);
+        let camera_from_world = match self.rotation {
             Rotation::QuaternionWxyz([w, x, y, z]) => {
-                UnitQuaternion::new_normalize(Quaternion::new(*w, *x, *y, *z)).to_rotation_matrix()
+                let q = Quaternion { w, x, y, z };
+                q.rotation().map_err(in_field("exterior.quaternion_wxyz"))?
             }
             Rotation::OmegaPhiKappa([omega, phi, kappa]) => {
-                let turn = |axis, angle: f64| Rotation3::from_axis_angle(&axis, -angle);
-                let photo_from_world = turn(Vector3::z_axis(), *kappa)
-                    * turn(Vector3::y_axis(), *phi)
-                    * turn(Vector3::x_axis(), *omega);
-                let camera_from_photo = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
-                Rotation3::from_matrix_unchecked(camera_from_photo) * photo_from_world
+                let angles = OmegaPhiKappa { omega, phi, kappa };
+                return Ok(ExteriorOrientation::from_omega_phi_kappa(center, &angles));
             }
             Rotation::RotationMatrix(rows) => {
-                let mut r = Matrix3::from_fn(|i, j| rows[i][j]);
-                // Newton's iteration for the nearest rotation: an error of 10⁻³ becomes 10⁻⁶, 10⁻¹², rounding.
-                for _ in 0..3 {
-                    r = r * (Matrix3::identity() * 3.0 - r.transpose() * r) * 0.5;
-                }
-                Rotation3::from_matrix_unchecked(r)
+                let matrix = Matrix3::from_fn(|i, j| rows[i][j]);
+                orthonormalised(&matrix).map_err(in_field("exterior.rotation_matrix"))?
             }
         };
-        Ok(ExteriorOrientation::new(Point3::from(self.projection_center), camera_from_world))
+        Ok(ExteriorOrientation::new(center, camera_from_world))
     }
 
     /// The file's form of an exterior orientation, with a quaternion.
     #[must_use]
     pub fn from_orientation(exterior: &ExteriorOrientation) -> Self {
-        let q = UnitQuaternion::from_rotation_matrix(&exterior.camera_from_world());
+        let q = Quaternion::from_rotation(&exterior.camera_from_world());
         Self {
             projection_center: exterior.projection_center().into(),
-            rotation: Rotation::QuaternionWxyz([q.w, q.i, q.j, q.k]),
+            rotation: Rotation::QuaternionWxyz([q.w, q.x, q.y, q.z]),
         }
     }
 }
@@ -165,6 +163,78 @@ impl PlaneFile {
     pub fn plane(&self) -> Result<Plane, Error> {
         Plane::from_point_and_normal(Point3::from(self.point), Vector3::from(self.normal))
             .map_err(in_field("normal"))
+    }
+}
+
+impl MapFile {
+    /// The library's map, from a point of the new picture to the point of the old one.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Field`] and [`ErrorKind::Library`] for coefficients outside their domain.
+    pub fn map(&self) -> Result<Box<dyn Map>, Error> {
+        self.check()?;
+        Ok(match self {
+            Self::Homography { matrix } => {
+                let homography = Homography::from_matrix(Matrix3::from_fn(|i, j| matrix[i][j]))
+                    .map_err(in_field("matrix"))?;
+                Box::new(FractionalLinear::from_homography(&homography))
+            }
+            Self::Affine { a, b } => Box::new(Affine2::from_coefficients(*a, *b)),
+            Self::Bilinear { a, b } => {
+                Box::new(Bilinear::from_coefficients(*a, *b).map_err(in_field("a"))?)
+            }
+            Self::Quadratic { a, b } => {
+                Box::new(Quadratic::from_coefficients(*a, *b).map_err(in_field("a"))?)
+            }
+            Self::Cubic { a, b } => {
+                Box::new(Cubic::from_coefficients(*a, *b).map_err(in_field("a"))?)
+            }
+        })
+    }
+}
+
+impl From<&Homography> for MapFile {
+    fn from(homography: &Homography) -> Self {
+        let m = homography.matrix();
+        Self::Homography { matrix: [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)])) }
+    }
+}
+
+impl From<&Affine2> for MapFile {
+    fn from(affine: &Affine2) -> Self {
+        let (m, t) = (&affine.linear, &affine.translation);
+        Self::Affine { a: [t.x, m[(0, 0)], m[(0, 1)]], b: [t.y, m[(1, 0)], m[(1, 1)]] }
+    }
+}
+
+impl From<&Bilinear> for MapFile {
+    fn from(map: &Bilinear) -> Self {
+        let [a, b] = map.coefficients();
+        Self::Bilinear { a, b }
+    }
+}
+
+impl From<&Quadratic> for MapFile {
+    fn from(map: &Quadratic) -> Self {
+        let [a, b] = map.coefficients();
+        Self::Quadratic { a, b }
+    }
+}
+
+impl From<&Cubic> for MapFile {
+    fn from(map: &Cubic) -> Self {
+        let [a, b] = map.coefficients();
+        Self::Cubic { a, b }
+    }
+}
+
+impl GtxFile {
+    /// The library's grid, which interpolates.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Library`] for a layout outside its domain.
+    pub fn geoid_grid(self) -> Result<GeoidGrid, Error> {
+        GeoidGrid::new(self.layout, self.undulations_m).map_err(in_field(""))
     }
 }
 

@@ -6,7 +6,7 @@
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
-//! | geoid heights | [`geoid_grid`] | GTX |
+//! | geoid undulations | [`gtx`] | GTX |
 //!
 //! Readers give plain values and know no algorithm; [`convert`] turns them into the library's types. Every [`Error`]
 //! names the file, and the field, line or column in it. Every output is written with [`write_atomically`]: after an
@@ -39,7 +39,7 @@ mod json;
 
 pub mod camera;
 pub mod convert;
-pub mod geoid_grid;
+pub mod gtx;
 pub mod map;
 pub mod opensfm;
 pub mod picture;

@@ -1,9 +1,12 @@
 //! Files as the library's cameras and planes.
 
 use collinear::camera::SensorModel;
+use collinear::geometry::{Affine2, Homography};
+use collinear::mapping::polynomial::Cubic;
 use collinear::nalgebra::{Matrix3, Point2, Point3};
 use collinear_io::camera::{CameraFile, Exterior, Interior, Rotation};
 use collinear_io::convert::Camera;
+use collinear_io::map::MapFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::{ErrorKind, FieldProblem};
 use proptest::prelude::*;
@@ -80,6 +83,51 @@ fn a_plane_file_becomes_a_plane() {
     let plane = file.plane().unwrap();
     assert_eq!(plane.signed_distance(&Point3::new(7.0, 8.0, 5.0)), 2.0);
     assert!(PlaneFile { normal: [0.0; 3], ..file }.plane().is_err());
+}
+
+#[test]
+fn every_kind_of_map_becomes_its_map_and_a_file_again() {
+    // At (X, Y) = (2, 3) the terms of table 2 are 1, 2, 3, 6, 4, 9, 12, 18, 8, 27.
+    let a = [0.5, 1.0, 2.0, 0.25, 0.125, 0.0625, 0.01, -0.02, 0.03, -0.04];
+    let b = [-0.5, 2.0, 1.0, -0.25, 0.5, 0.25, 0.02, 0.01, -0.03, 0.04];
+    let h = [[1.0, 2.0, 3.0], [0.0, 1.0, 5.0], [0.5, 0.0, 1.0]];
+    let (three, four, six) = (
+        ([a[0], a[1], a[2]], [b[0], b[1], b[2]]),
+        ([a[0], a[1], a[2], a[3]], [b[0], b[1], b[2], b[3]]),
+        ([a[0], a[1], a[2], a[3], a[4], a[5]], [b[0], b[1], b[2], b[3], b[4], b[5]]),
+    );
+    for (file, x, y) in [
+        (MapFile::Homography { matrix: h }, 11.0 / 2.0, 8.0 / 2.0),
+        (MapFile::Affine { a: three.0, b: three.1 }, 8.5, 6.5),
+        (MapFile::Bilinear { a: four.0, b: four.1 }, 10.0, 5.0),
+        (MapFile::Quadratic { a: six.0, b: six.1 }, 11.0625, 9.25),
+        (
+            MapFile::Cubic { a, b },
+            11.0625 + 0.12 - 0.36 + 0.24 - 1.08,
+            9.25 + 0.24 + 0.18 - 0.24 + 1.08,
+        ),
+    ] {
+        let got = file.map().unwrap().at(&Point2::new(2.0, 3.0)).unwrap();
+        assert!((got - Point2::new(x, y)).norm() < 1e-13, "{file:?}: {got}");
+    }
+    assert_eq!(
+        MapFile::from(&Affine2::from_coefficients(three.0, three.1)),
+        MapFile::Affine { a: three.0, b: three.1 }
+    );
+    let homography = Homography::from_matrix(Matrix3::from_fn(|i, j| h[i][j])).unwrap();
+    assert_eq!(MapFile::from(&homography), MapFile::Homography { matrix: h });
+    let MapFile::Cubic { a: again, .. } = MapFile::from(&Cubic::from_coefficients(a, b).unwrap())
+    else {
+        panic!("cubic")
+    };
+    for (got, expected) in again.iter().zip(a) {
+        assert!((got - expected).abs() < 1e-15);
+    }
+    let behind = MapFile::Homography { matrix: h.map(|r| r.map(|v: f64| -v)) };
+    assert!(
+        behind.map().unwrap().at(&Point2::new(2.0, 3.0)).is_err(),
+        "w < 0 is beyond the horizon"
+    );
 }
 
 proptest! {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
-use collinear_io::geoid_grid::parse_geoid_grid;
+use collinear_io::gtx::parse_gtx;
 use collinear_io::map::MapFile;
 use collinear_io::opensfm::{parse_reconstruction, parse_tracks};
 use collinear_io::picture::{Limits, decode_picture};
@@ -115,6 +115,6 @@ proptest! {
             bytes.extend([0xff, 0xd9]);
         }
         prop_assert!(decode_picture(&bytes, SMALL).is_err() || start > 1);
-        prop_assert!(parse_geoid_grid(&bytes).is_err());
+        prop_assert!(parse_gtx(&bytes).is_err());
     }
 }

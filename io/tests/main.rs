@@ -5,7 +5,7 @@ mod atomic;
 mod convert;
 mod documents;
 mod formats_page;
-mod geoid_grid;
+mod gtx;
 mod hostile;
 mod opensfm;
 mod pictures;

@@ -93,7 +93,12 @@ fn references_counts_and_names_are_checked_with_the_path_to_the_field() {
         (
             "[8, 8, 2]",
             "[8, 8, 0]",
-            "polygons[1].coordinates[2][2]: is 0, expected a weight other than 0",
+            "polygons[1].coordinates[2][2]: is 0, expected a weight above 0",
+        ),
+        (
+            "[8, 8, 2]",
+            "[8, 8, -2]",
+            "polygons[1].coordinates[2][2]: is -2, expected a weight above 0",
         ),
         (", [3, 4, 5]]", "]", "polygons[0].vertices: has 2 entries, at least 3 are needed"),
         (

@@ -5,7 +5,7 @@
 //! (X, Y, Z)ᵀ = (Xc, Yc, Zc)ᵀ + λ M (x, y, f)ᵀ,   M = Rᵀ                         [WD] eq. 4b
 //! ```
 //!
-//! [WD] writes +f for a camera that looks along +z, as the camera axes of this crate do; the photogrammetric camera
+//! \[WD\] writes +f for a camera that looks along +z, as the camera axes of this crate do; the photogrammetric camera
 //! looks along −z and has −c in that place. Dividing by the third component removes μ:
 //!
 //! ```text
@@ -19,7 +19,7 @@ use nalgebra::{Matrix2x3, Matrix3, Point2, Vector3};
 use crate::error::ProjectionError;
 use crate::numeric::scalar::Scalar;
 
-/// [WD] eq. 4a with μ divided out.
+/// \[WD\] eq. 4a with μ divided out.
 pub(super) fn normalised<S: Scalar>(direction: [S; 3]) -> [S; 2] {
     [direction[0] / direction[2], direction[1] / direction[2]]
 }

@@ -63,7 +63,7 @@ impl ExteriorOrientation {
     }
 
     /// The chain from angles to this crate's rotation parameters: δ = (∂δ/∂(ω, φ, κ)) d(ω, φ, κ), with
-    /// camera_from_world ← exp([δ]×) R. Multiplied from the right it turns partials by δ into partials by the angles.
+    /// camera_from_world ← exp(\[δ\]×) R. Multiplied from the right it turns partials by δ into partials by the angles.
     #[must_use]
     pub fn rotation_from_omega_phi_kappa(&self) -> Matrix3<f64> {
         rotation::camera_from_photo().matrix() * self.omega_phi_kappa().left_from_angles()

@@ -20,7 +20,7 @@ use crate::geometry::{Locus, Ray};
 ///
 /// # Parameters
 /// Group 0 is the exterior orientation, six numbers: the projection centre in world units, then a left rotation vector
-/// δ in radians, camera_from_world ← exp([δ]×) R. The groups of the central model follow.
+/// δ in radians, camera_from_world ← exp(\[δ\]×) R. The groups of the central model follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("PerspectiveCamera", "photograph"))]
 pub struct Frame<C> {

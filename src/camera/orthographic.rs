@@ -6,7 +6,7 @@ use super::{ExteriorOrientation, HomogeneousCamera, SensorModel, collinearity};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Affine2, Locus, Ray, Surface};
 
-/// A parallel (orthographic) projection: [WD] table 2 with 1/f = 0.
+/// A parallel (orthographic) projection: \[WD\] table 2 with 1/f = 0.
 ///
 /// ```text
 /// (x, y) = A · (X′, Y′) + b,      (X′, Y′, Z′) = R (X − O)

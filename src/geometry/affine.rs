@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::numeric::float;
 use crate::numeric::triangular::Triangular;
 
-/// An affine map of the plane: x ↦ A x + b, [WD] table 2's first row.
+/// An affine map of the plane: x ↦ A x + b, \[WD\] table 2's first row.
 ///
 /// ```text
 /// x = A₀ + A₁ X + A₂ Y

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Point3, Vector3};
 use super::FractionalLinear;
 use crate::error::Error;
 
-/// A plane with texture axes, in eye coordinates: [C]'s N, P, C, U and V.
+/// A plane with texture axes, in eye coordinates: \[C\]'s N, P, C, U and V.
 ///
 /// # Model
 /// ```text
@@ -14,7 +14,7 @@ use crate::error::Error;
 /// Ty = (N·P) (V·(x′, y′, d)) / (N·(x′, y′, d)) − V·C                                        [C], basic result
 /// ```
 /// with (x′, y′) the screen point from the principal point, in the units of the screen distance d. Multiplied out, with
-/// k = N·P, these are [WD] eq. 1's coefficients
+/// k = N·P, these are \[WD\] eq. 1's coefficients
 ///
 /// ```text
 /// P₁ = k Ux − (U·C) Nx    P₂ = k Uy − (U·C) Ny    P₀ = d (k Uz − (U·C) Nz)
@@ -25,7 +25,7 @@ use crate::error::Error;
 /// # Frames and units
 /// Eye at the origin, z forward, x and y as on the screen (y down in this crate). N needs no unit length.
 ///
-/// [C] has U and V of unit length and orthogonal, which makes a texel a world unit. In general U and V are the reciprocal
+/// \[C\] has U and V of unit length and orthogonal, which makes a texel a world unit. In general U and V are the reciprocal
 /// basis of the texel's edges in the plane ([`from_texel`](Self::from_texel)): an edge a of one texel, orthogonal to the
 /// other, enters as a / |a|².
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -32,7 +32,7 @@ impl<A: Map, B: Map> Map for Composed<A, B> {
 
 /// From the ideal (distortion-free) picture of a camera to the picture it takes: pixel → distorted pixel.
 ///
-/// [WD] eq. 1 leads into the ideal picture; behind it, as [`Composed::outer`], this map leads into the photograph.
+/// \[WD\] eq. 1 leads into the ideal picture; behind it, as [`Composed::outer`], this map leads into the photograph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "redistort")]
 pub struct DistortMap {
@@ -64,7 +64,7 @@ impl Map for DistortMap {
     }
 }
 
-/// The map into a photograph taken through a lens: [WD] eq. 1 into the ideal picture, then the lens.
+/// The map into a photograph taken through a lens: \[WD\] eq. 1 into the ideal picture, then the lens.
 pub type PhotographMap = Composed<DistortMap, FractionalLinear>;
 
 impl PhotographMap {

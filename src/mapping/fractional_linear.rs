@@ -6,6 +6,7 @@ use nalgebra::{
     Matrix2, Matrix3, Matrix3x4, Matrix4x3, Point2, Point3, RowVector3, Vector3, Vector4,
 };
 
+use super::span::Span;
 use super::{Map, RowCoords};
 use crate::camera::HomogeneousCamera;
 use crate::error::{Error, ProjectionError};
@@ -30,7 +31,8 @@ use crate::numeric::scalar::Scalar;
 /// never changes sign, so R alone cannot know the horizon.
 ///
 /// # Accuracy
-/// Each linear form is evaluated as R₁S + (R₂L + R₀) in `f64`; u and v are the numerators times one reciprocal.
+/// Each linear form is evaluated as R₁S + (R₂L + R₀) in `f64`; u and v are the numerators times one reciprocal. Rows are
+/// [spans](crate::mapping::span::Span), whose forms do not cancel.
 ///
 /// # Example
 /// A photograph taken straight down from 100 m (f = 1000 px) textures the ground z = 0; an eye 10 m above it looks level
@@ -88,7 +90,7 @@ impl FractionalLinear {
     /// ```
     ///
     /// homogeneous, with its fourth component E·σ. For a perspective screen E·σ is the inverse depth 1/Z of the point; for
-    /// a parallel one it is 1. H is the product of [WD]'s two transformations (texture from object, object from screen;
+    /// a parallel one it is 1. H is the product of \[WD\]'s two transformations (texture from object, object from screen;
     /// after Devich & Weinhaus 1980), derived here from eq. 4a and 4b.
     ///
     /// # Errors
@@ -123,7 +125,7 @@ impl FractionalLinear {
         Self::from_forms(texture_from_world * world, world.row(3).into_owned())
     }
 
-    /// The map through four points of a plane, projected into both cameras ([WD] after eq. 2: four pairs determine the
+    /// The map through four points of a plane, projected into both cameras (\[WD\] after eq. 2: four pairs determine the
     /// eight unknowns).
     ///
     /// # Errors
@@ -145,11 +147,11 @@ impl FractionalLinear {
         Self::from_forms(*Homography::from_quads(&from, &to)?.matrix(), eye)
     }
 
-    /// The map of a triangle from three pairs of homogeneous points, [WD] eq. 3: M = T S⁻¹.
+    /// The map of a triangle from three pairs of homogeneous points, \[WD\] eq. 3: M = T S⁻¹.
     ///
     /// `texture[i]` is (w u, w v, w), with w = 1 where the texture is laid on by coordinates or orthogonally and w its
     /// camera's depth where it is projected; `screen[i]` is (W S, W L, W), W the depth. Nine numbers are determined, R₀
-    /// among them. The numerators are then [S]'s xˡ/w, yˡ/w and the denominator wˡ/w (eq. 7); E is 1/W.
+    /// among them. The numerators are then \[S\]'s xˡ/w, yˡ/w and the denominator wˡ/w (eq. 7); E is 1/W.
     ///
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::OutOfRange`] for a W that is not positive (clip first); [`Error::Degenerate`] where
@@ -179,7 +181,7 @@ impl FractionalLinear {
         Self::from_forms(Matrix3::from_columns(texture) * inverse, inverse.row_sum())
     }
 
-    /// The map of a triangle through its vertices and its centroid ([WD], before eq. 3). The centroid is that of the
+    /// The map of a triangle through its vertices and its centroid (\[WD\], before eq. 3). The centroid is that of the
     /// triangle in space, projected; the centroid of the projected vertices is another point.
     ///
     /// # Errors
@@ -220,7 +222,7 @@ impl FractionalLinear {
         Self { matrix: *texture_from_screen.matrix(), eye: RowVector3::new(0.0, 0.0, 1.0) }
     }
 
-    /// From [WD]'s coefficients (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) and the eye's form (E₀, E₁, E₂).
+    /// From \[WD\]'s coefficients (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) and the eye's form (E₀, E₁, E₂).
     ///
     /// # Errors
     /// [`Error::NotFinite`].
@@ -242,7 +244,7 @@ impl FractionalLinear {
         }
     }
 
-    /// (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) of [WD] eq. 1.
+    /// (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂) of \[WD\] eq. 1.
     #[must_use]
     pub fn coefficients(&self) -> [[f64; 3]; 3] {
         [0, 1, 2].map(|i| {
@@ -296,16 +298,15 @@ impl FractionalLinear {
         })
     }
 
-    /// The pixels of a row whose centres satisfy both conditions: one interval, since both are linear.
+    /// The pixels of a row whose centres satisfy both conditions: one interval, since both are linear. The signs are
+    /// exact; [`at`](Map::at) decides by rounded ones, which differ only where a condition is zero to rounding.
     #[must_use]
     pub fn valid_samples(&self, line: i32, samples: Range<i32>) -> Range<i32> {
-        let y = f64::from(line) + 0.5;
-        let valid = |x: i32| {
-            let (w, eye) = self.signs(f64::from(x) + 0.5, y);
-            (w > 0.0, eye > 0.0)
-        };
-        let in_front = positive_interval(samples, self.matrix.m31, |x| valid(x).0);
-        positive_interval(in_front, self.eye[0], |x| valid(x).1)
+        let [_, _, r] = self.coefficients();
+        [r, self.eye_coefficients()].into_iter().fold(samples, |range, form| {
+            let empty = range.start..range.start;
+            Span::<0>::on_line([], form, line).map_or(empty, |span| span.valid_interval(range))
+        })
     }
 }
 
@@ -313,7 +314,7 @@ impl HomogeneousCamera {
     /// How near a plane is at each pixel, as a linear function of the screen: (N₀, N₁, N₂) of N₀ + N₁S + N₂L, larger for
     /// nearer points.
     ///
-    /// For a perspective camera it is the inverse depth 1/Z ([WD] after Fuchs et al. 1985), zero on the plane's horizon and
+    /// For a perspective camera it is the inverse depth 1/Z (\[WD\] after Fuchs et al. 1985), zero on the plane's horizon and
     /// negative beyond. For a parallel one, which has no such depth, it is −Z′.
     ///
     /// # Errors
@@ -369,26 +370,6 @@ fn world_from_screen(plane: &Plane, screen: &HomogeneousCamera) -> Result<Matrix
         - screen.center * (pi.transpose() * screen.back_projection) / clearance)
 }
 
-/// The part of `samples` where a predicate, monotone in x in the direction of `slope`, holds.
-fn positive_interval(samples: Range<i32>, slope: f64, holds: impl Fn(i32) -> bool) -> Range<i32> {
-    if samples.is_empty() {
-        return samples;
-    }
-    let boundary = |value: bool| {
-        let (mut low, mut high) = (i64::from(samples.start), i64::from(samples.end));
-        while low < high {
-            let middle = low + (high - low) / 2;
-            if holds(middle as i32) == value {
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        low as i32
-    };
-    if slope > 0.0 { boundary(false)..samples.end } else { samples.start..boundary(true) }
-}
-
 impl Map for FractionalLinear {
     #[inline]
     fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
@@ -415,27 +396,13 @@ impl Map for FractionalLinear {
         ) / w)
     }
 
-    /// Solves both conditions for their interval, then walks it with one division a pixel.
+    /// Solves both conditions for their interval, then walks it with two additions and one division a pixel.
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
-        const BLOCK: usize = 64;
         out.clear();
         let valid = self.valid_samples(line, samples);
-        let y = f64::from(line) + 0.5;
-        let m = &self.matrix;
-        let constants = [0, 1, 2].map(|i| m[(i, 1)] * y + m[(i, 2)]);
-        let (mut u, mut v) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let mut x = valid.start;
-        while x < valid.end {
-            let n = BLOCK.min((valid.end - x) as usize);
-            let (us, vs) = (&mut u[..n], &mut v[..n]);
-            for (i, (u, v)) in us.iter_mut().zip(vs.iter_mut()).enumerate() {
-                let sample = f64::from(x + i as i32) + 0.5;
-                let inverse = 1.0 / (m.m31 * sample + constants[2]);
-                *u = (m.m11 * sample + constants[0]) * inverse;
-                *v = (m.m21 * sample + constants[1]) * inverse;
-            }
-            out.push_block(x, us, vs);
-            x += n as i32;
+        let [p, q, r] = self.coefficients();
+        if let Ok(span) = Span::on_line([p, q], r, line) {
+            span.walk(valid, |x, [u, v]| out.push_block(x, u, v));
         }
     }
 }

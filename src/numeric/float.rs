@@ -13,7 +13,7 @@ macro_rules! unary {
         }
     )*};
 }
-unary!(sqrt, sin, tan, asin, acos, atan, floor, ceil, round, cbrt);
+unary!(sqrt, sin, floor, ceil, round);
 
 /// Natural logarithm.
 #[inline]
@@ -22,15 +22,6 @@ pub(crate) fn ln(x: f64) -> f64 {
     return x.ln();
     #[cfg(not(feature = "std"))]
     return libm::log(x);
-}
-
-/// `x` to the power `y`.
-#[inline]
-pub(crate) fn powf(x: f64, y: f64) -> f64 {
-    #[cfg(feature = "std")]
-    return x.powf(y);
-    #[cfg(not(feature = "std"))]
-    return libm::pow(x, y);
 }
 
 /// The angle of the vector (x, y), in (−π, π].

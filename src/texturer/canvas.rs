@@ -32,7 +32,7 @@ pub enum Paint<'a, T, const C: usize> {
 ///
 /// Nearness is a number that is larger for nearer points and linear on the screen over a plane
 /// ([`HomogeneousCamera::nearness`](crate::camera::HomogeneousCamera::nearness)): the inverse depth for a perspective
-/// screen ([WD] after Fuchs et al. 1985). It is kept as `f32`; a pixel is painted if it is strictly nearer than what is
+/// screen (\[WD\] after Fuchs et al. 1985). It is kept as `f32`; a pixel is painted if it is strictly nearer than what is
 /// there, so of two equal ones the first stays.
 #[derive(Debug)]
 #[doc(alias("framebuffer", "z-buffer", "depth buffer"))]

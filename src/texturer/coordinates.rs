@@ -16,9 +16,9 @@ const TOLERANCE: f64 = 0.1;
 /// The map of a planar polygon whose vertices carry texture coordinates (u, v, w).
 ///
 /// With w = 1 everywhere the coordinates are laid on: three vertices, or more that agree, give an affine map of the plane,
-/// which [WD] eq. 3 takes to the screen. Four vertices that no affine map serves, as a quadrilateral of the texture on a
-/// rectangle, get the projective map of their plane ([WD] eq. 2); more than four the least-squares one. With other w,
-/// (w u, w v, w) is affine in the plane, as for a projected texture ([S] eq. 5).
+/// which \[WD\] eq. 3 takes to the screen. Four vertices that no affine map serves, as a quadrilateral of the texture on a
+/// rectangle, get the projective map of their plane (\[WD\] eq. 2); more than four the least-squares one. With other w,
+/// (w u, w v, w) is affine in the plane, as for a projected texture (\[S\] eq. 5).
 ///
 /// All vertices have a say, so cutting the polygon changes the map by rounding only.
 ///

@@ -1,6 +1,6 @@
 //! Texture coordinates interpolated on the screen: what goes wrong without the division.
 //!
-//! [WD] figure 2 compares three ways of filling a polygon whose vertices know their texture coordinates: linearly over
+//! \[WD\] figure 2 compares three ways of filling a polygon whose vertices know their texture coordinates: linearly over
 //! triangles, bilinearly over a quadrilateral, and in perspective. The first two are here to be seen beside the third;
 //! they fold along the triangles' common edge, bend straight lines, and swim when the eye moves.
 
@@ -19,7 +19,7 @@ fn at_vertices(polygon: &ScreenPolygon, exact: &dyn Map) -> Result<Vec<Point2<f6
     polygon.vertices().iter().map(|v| exact.at(v).map_err(Error::from)).collect()
 }
 
-/// The polygon as triangles, each with the affine map through its three vertices ([WD] figure 2b).
+/// The polygon as triangles, each with the affine map through its three vertices (\[WD\] figure 2b).
 ///
 /// # Errors
 /// [`Error::Projection`] where a vertex has no place in the texture.
@@ -45,7 +45,7 @@ pub fn linear_triangles(
     Ok(triangles)
 }
 
-/// The bilinear map of a quadrilateral, texture from screen ([WD] figure 2c): the inverse of the bilinear map from the
+/// The bilinear map of a quadrilateral, texture from screen (\[WD\] figure 2c): the inverse of the bilinear map from the
 /// unit square to the screen, which is a quadratic, followed by the one from the unit square to the texture.
 ///
 /// # Errors

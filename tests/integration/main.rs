@@ -1,13 +1,25 @@
 //! All integration tests of the library: one binary, a file for each subject.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::inconsistent_digit_grouping,
+    unreachable_pub,
+    unused_qualifications,
+    reason = "a test fails by panicking and says what it skips; helpers are shared within one binary; digits are as printed"
+)]
 
 mod camera;
 mod contracts;
 mod geodetic;
 mod homography;
+mod layers;
 mod plane_map;
 mod polynomial;
 mod projection;
 mod rotation;
+mod sources;
 mod span;
 mod support;
 mod texture_matrices;

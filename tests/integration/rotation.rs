@@ -251,23 +251,31 @@ fn a_nadir_camera_follows_the_heading_of_its_aircraft() {
     }
 }
 
-// CIRN's CIRNangles2R (Bruder & Brodie 2020) builds camera_from_world (z forward) from azimuth, tilt, swing by these
-// elements; evaluated with Python 3 for azimuth 2.1, tilt 1.3, swing 0.2.
+// CIRN's CIRNangles2R (Bruder & Brodie 2020): these elements, camera axes x left, y up, z forward, swing 0 upright.
 #[test]
 fn azimuth_tilt_swing_is_also_the_coastal_convention() {
-    let m = AzimuthTiltSwing { azimuth: 2.1, tilt: 1.3, swing: 0.2 }.photo_from_world();
-    let (sa, ca) = 2.1f64.sin_cos();
-    let (st, ct) = 1.3f64.sin_cos();
-    let (ss, cs) = 0.2f64.sin_cos();
-    close(
-        &(camera_from_photo() * m),
-        [
-            [-ca * cs - sa * ct * ss, cs * sa - ss * ct * ca, -ss * st],
-            [-ss * ca + cs * ct * sa, ss * sa + cs * ct * ca, cs * st],
-            [st * sa, st * ca, -ct],
-        ],
-        1e-15,
+    let (azimuth, tilt, swing) = (2.1f64, 1.3f64, 0.2f64);
+    let (sa, ca) = azimuth.sin_cos();
+    let (st, ct) = tilt.sin_cos();
+    let (ss, cs) = swing.sin_cos();
+    let cirn = Matrix3::new(
+        -ca * cs - sa * ct * ss,
+        cs * sa - ss * ct * ca,
+        -ss * st,
+        -ss * ca + cs * ct * sa,
+        ss * sa + cs * ct * ca,
+        cs * st,
+        st * sa,
+        st * ca,
+        -ct,
     );
+    let camera_from_cirn = Matrix3::from_diagonal(&Vector3::new(-1.0, -1.0, 1.0));
+    let m = AzimuthTiltSwing { azimuth, tilt, swing: swing + PI }.photo_from_world();
+    let camera_from_world = camera_from_photo() * m;
+    assert!(largest(camera_from_world.matrix() - camera_from_cirn * cirn) < 1e-15);
+    // Upright in both: the image's top points upwards in the world.
+    let upright = AzimuthTiltSwing { azimuth, tilt, swing: PI }.photo_from_world();
+    assert!((upright.inverse() * Vector3::y()).z > 0.9);
 }
 
 #[test]

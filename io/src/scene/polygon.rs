@@ -6,7 +6,7 @@ use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 use serde::{Deserialize as DeriveDeserialize, Serialize as DeriveSerialize};
 
-use crate::check::finite;
+use crate::check::{finite, in_range};
 use crate::error::{FieldError, FieldProblem};
 use crate::json::object::Object;
 
@@ -38,14 +38,14 @@ pub enum Fill {
     Color([u8; 3]),
 }
 
-/// A point of a texture in homogeneous coordinates: (u/w, v/w) pixels from its top-left corner.
+/// A point of a texture, (u, v) pixels from its top-left corner, and its weight: (w u, w v, w) is affine over the polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturePoint {
-    /// Pixels to the right, times w.
+    /// Pixels to the right.
     pub u: f64,
-    /// Pixels down, times w.
+    /// Pixels down.
     pub v: f64,
-    /// The weight; one where the file gives two numbers.
+    /// The weight, above 0, as the depth from the projector of a projected texture; 1 where the file gives two numbers.
     pub w: f64,
 }
 
@@ -70,11 +70,8 @@ impl Polygon {
             }
             for (i, c) in coordinates.iter().enumerate() {
                 finite(&format!("coordinates[{i}]"), &[c.u, c.v, c.w])?;
-                if c.w == 0.0 {
-                    let problem =
-                        FieldProblem::OutOfRange { value: 0.0, expected: "a weight other than 0" };
-                    return Err(FieldError::new(format!("coordinates[{i}][2]"), problem));
-                }
+                let field = format!("coordinates[{i}][2]");
+                in_range(&field, c.w, "a weight above 0", |w| w > 0.0)?;
             }
         }
         Ok(())

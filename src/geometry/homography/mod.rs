@@ -92,7 +92,7 @@ impl Homography {
         Self::from_matrix(affine.to_matrix())
     }
 
-    /// From the coefficients (P₀, P₁, P₂), (Q₀, Q₁, Q₂) and (R₀, R₁, R₂) of [WD] eq. 1.
+    /// From the coefficients (P₀, P₁, P₂), (Q₀, Q₁, Q₂) and (R₀, R₁, R₂) of \[WD\] eq. 1.
     ///
     /// # Errors
     /// As [`from_matrix`](Self::from_matrix).
@@ -102,7 +102,7 @@ impl Homography {
         Self::from_matrix(Matrix3::from_fn(|i, j| rows[i][j]))
     }
 
-    /// The coefficients of [WD] eq. 1: (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂).
+    /// The coefficients of \[WD\] eq. 1: (P₀, P₁, P₂), (Q₀, Q₁, Q₂), (R₀, R₁, R₂).
     #[must_use]
     pub fn coefficients(&self) -> [[f64; 3]; 3] {
         let m = &self.matrix;

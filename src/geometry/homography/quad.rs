@@ -154,7 +154,7 @@ impl Homography {
         from_areas(source, &from, target, &to)
     }
 
-    /// The eight linear equations of [WD] eq. 2 with R₀ = 1, by elimination with partial pivoting: the textbook solver,
+    /// The eight linear equations of \[WD\] eq. 2 with R₀ = 1, by elimination with partial pivoting: the textbook solver,
     /// kept for comparison. [`from_quads`](Self::from_quads) is faster, more exact, and has no excluded maps.
     ///
     /// ```text

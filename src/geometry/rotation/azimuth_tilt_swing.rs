@@ -19,8 +19,10 @@ const AXES: sequence::Axes = [2, 0, 2];
 ///
 /// The elements are those of B. A. Dewitt's program 3DCONF (1998), the implementation of Dewitt, *Initial
 /// approximations for the three-dimensional conformal coordinate transformation*, PE&RS 62 (1996). M is
-/// `photo_from_world` in the photogrammetric system (x right, y up, looking along −z). The `camera_from_world` of the coastal
-/// imaging toolbox CIRN (Bruder & Brodie 2020) is [`camera_from_photo`](super::camera_from_photo) · M, with the same angles.
+/// `photo_from_world` in the photogrammetric system (x right, y up, looking along −z).
+///
+/// The coastal imaging toolbox CIRN (Bruder & Brodie 2020) has the same azimuth and tilt, and a swing that is 0 for an
+/// upright photograph: s − π. Its camera axes are x left, y up, z forward.
 ///
 /// The principal plane holds the optical axis and the vertical. Angles are radians. A NaN or infinite angle gives a
 /// matrix with NaN in it.
@@ -71,7 +73,7 @@ impl AzimuthTiltSwing {
         Self { azimuth, tilt, swing }
     }
 
-    /// The matrix whose columns are the left rotation vectors of a unit change of azimuth, tilt, swing: δM = [δθ]× M and
+    /// The matrix whose columns are the left rotation vectors of a unit change of azimuth, tilt, swing: δM = \[δθ\]× M and
     /// δθ = J (δα, δt, δs)ᵀ. Singular for a vertical photograph.
     #[must_use]
     pub fn left_from_angles(&self) -> Matrix3<f64> {

@@ -12,7 +12,7 @@
 //! | [`AzimuthTiltSwing`] | R₃(s − π) R₁(t) R₃(−α)                    | `photo_from_world` | α = 0          |
 //! | [`YawPitchRoll`]     | R₁(φ) R₂(θ) R₃(ψ)                         | `body_from_ned`    | φ (roll) = 0   |
 //! | [`Quaternion`]       | v ↦ q v q⁻¹                               | its user's         | none           |
-//! | [`RotationVector`]   | exp([r]×)                                 | its user's         | none           |
+//! | [`RotationVector`]   | exp(\[r\]×)                                 | its user's         | none           |
 //!
 //! R₁, R₂, R₃ turn the axes about x, y, z by a counter-clockwise angle:
 //!

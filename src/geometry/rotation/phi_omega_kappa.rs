@@ -77,7 +77,7 @@ impl PhiOmegaKappa {
     }
 
     /// The matrix whose columns are the left rotation vectors of a unit change of φ, ω, κ: with M = `photo_from_world`,
-    /// δM = [δθ]× M and δθ = J (δφ, δω, δκ)ᵀ. Singular where cos ω = 0.
+    /// δM = \[δθ\]× M and δθ = J (δφ, δω, δκ)ᵀ. Singular where cos ω = 0.
     #[must_use]
     pub fn left_from_angles(&self) -> Matrix3<f64> {
         let mut left = sequence::left(AXES, self.turns());

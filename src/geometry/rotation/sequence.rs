@@ -31,7 +31,7 @@ pub(super) fn to_matrix3(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| rows[i][j])
 }
 
-/// The columns δθ/δθ₁, δθ/δθ₂, δθ/δθ₃ of δM = [δθ]× M. A turn of the axes by θ is exp(−[θ e]×), hence the signs.
+/// The columns δθ/δθ₁, δθ/δθ₂, δθ/δθ₃ of δM = \[δθ\]× M. A turn of the axes by θ is exp(−[θ e]×), hence the signs.
 pub(super) fn left(axes: Axes, turns: [(f64, f64); 3]) -> Matrix3<f64> {
     let still = (0.0, 1.0);
     let [_, second, third] = turns;
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::numeric::scalar::Dual;
 
-    /// δM = [δθ]× M column by column, against the dual numbers of `matrix`.
+    /// δM = \[δθ\]× M column by column, against the dual numbers of `matrix`.
     fn check(axes: Axes, values: [f64; 3]) {
         let turns = values.map(float::sin_cos);
         let m = to_matrix3(matrix(axes, turns));

@@ -75,7 +75,7 @@ impl YawPitchRoll {
     }
 
     /// The matrix whose columns are the left rotation vectors of a unit change of yaw, pitch, roll: with B =
-    /// `body_from_ned`, δB = [δθ]× B and δθ = J (δψ, δθ, δφ)ᵀ. Singular where cos θ = 0.
+    /// `body_from_ned`, δB = \[δθ\]× B and δθ = J (δψ, δθ, δφ)ᵀ. Singular where cos θ = 0.
     #[must_use]
     pub fn left_from_angles(&self) -> Matrix3<f64> {
         sequence::left(AXES, self.turns())

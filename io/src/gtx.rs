@@ -5,26 +5,18 @@
 
 use std::path::Path;
 
+use collinear::geometry::geodetic::GeoidLayout;
+
 use crate::error::{Error, ErrorKind, GridProblem};
 use crate::json::read_bytes;
 
 /// The height of the geoid above the ellipsoid, at the nodes of a grid of latitude and longitude.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GeoidGrid {
-    /// Latitude of the first row, degrees.
-    pub south_deg: f64,
-    /// Longitude of the first column, degrees.
-    pub west_deg: f64,
-    /// From row to row, degrees.
-    pub latitude_step_deg: f64,
-    /// From column to column, degrees.
-    pub longitude_step_deg: f64,
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of columns.
-    pub columns: usize,
-    /// Heights in metres, row by row from the south, each row from the west; NaN where the grid has none.
-    pub heights_m: Vec<f32>,
+pub struct GtxFile {
+    /// Where the nodes lie.
+    pub layout: GeoidLayout,
+    /// Undulations in metres, row by row from the south, each row from the west; NaN where the grid has none.
+    pub undulations_m: Vec<f32>,
 }
 
 const HEADER_BYTES: usize = 40;
@@ -33,33 +25,23 @@ const VALUE_BYTES: usize = 4;
 /// A gibibyte: a grid of one arc minute over the whole earth has 0.9.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// What GTX writes where it has no height, and what PROJ takes for the same: some grids have large numbers instead.
-const NO_HEIGHT: f32 = -88.8888;
-const LARGEST_HEIGHT: f32 = 1000.0;
-
-impl GeoidGrid {
-    /// The height at a node, metres; `None` outside the grid and where it has no height.
-    #[must_use]
-    pub fn height_m(&self, row: usize, column: usize) -> Option<f32> {
-        let index = row.checked_mul(self.columns)?.checked_add(column)?;
-        let height = self.heights_m.get(index).filter(|_| column < self.columns)?;
-        (!height.is_nan()).then_some(*height)
-    }
-}
+/// What GTX writes where it has no value, and what PROJ takes for the same: some grids have large numbers instead.
+const VOID: f32 = -88.8888;
+const LARGEST: f32 = 1000.0;
 
 /// Reads a GTX file.
 ///
 /// # Errors
 /// [`ErrorKind::Grid`] where the header makes no sense or the length is not what it says.
-pub fn read_geoid_grid(path: &Path) -> Result<GeoidGrid, Error> {
-    read_bytes(path, MAX_BYTES).and_then(|b| parse_geoid_grid(&b)).map_err(|e| e.in_file(path))
+pub fn read_gtx(path: &Path) -> Result<GtxFile, Error> {
+    read_bytes(path, MAX_BYTES).and_then(|b| parse_gtx(&b)).map_err(|e| e.in_file(path))
 }
 
-/// As [`read_geoid_grid`], from the bytes of a file.
+/// As [`read_gtx`], from the bytes of a file.
 ///
 /// # Errors
-/// As [`read_geoid_grid`].
-pub fn parse_geoid_grid(bytes: &[u8]) -> Result<GeoidGrid, Error> {
+/// As [`read_gtx`].
+pub fn parse_gtx(bytes: &[u8]) -> Result<GtxFile, Error> {
     let too_short = || ErrorKind::from(GridProblem::NoHeader { bytes: bytes.len() });
     let (header, body) = bytes.split_at_checked(HEADER_BYTES).ok_or_else(too_short)?;
     let real = |i: usize| take(header, 8 * i).map(f64::from_be_bytes).ok_or_else(too_short);
@@ -67,8 +49,8 @@ pub fn parse_geoid_grid(bytes: &[u8]) -> Result<GeoidGrid, Error> {
     let (south, west, latitude_step, longitude_step) = (real(0)?, real(1)?, real(2)?, real(3)?);
     let (rows, columns) = (whole(0)?, whole(1)?);
 
-    // A ten-millionth of a step: room for steps that are no exact binary number, as an arc minute.
-    let slack = |step: f64| 1e-7 * step;
+    // A thousandth of a step: room for steps that are no exact binary number, as an arc minute.
+    let slack = |step: f64| 1e-3 * step;
     domain("the south latitude", south, "−90 … 90 degrees", south.abs() <= 90.0)?;
     domain("the west longitude", west, "−360 … 360 degrees", west.abs() <= 360.0)?;
     let step = "above 0 and up to 90 degrees";
@@ -96,23 +78,23 @@ pub fn parse_geoid_grid(bytes: &[u8]) -> Result<GeoidGrid, Error> {
             GridProblem::FileLength { bytes: bytes.len() as u64, rows, columns, expected }.into()
         );
     }
-    let heights_m = body
+    let undulations_m = body
         .chunks_exact(VALUE_BYTES)
-        .map(|b| take(b, 0).map_or(f32::NAN, |v| height(f32::from_be_bytes(v))))
+        .map(|b| take(b, 0).map_or(f32::NAN, |v| undulation(f32::from_be_bytes(v))))
         .collect();
-    Ok(GeoidGrid {
+    let layout = GeoidLayout {
         south_deg: south,
         west_deg: west,
         latitude_step_deg: latitude_step,
         longitude_step_deg: longitude_step,
         rows: rows.unsigned_abs() as usize,
         columns: columns.unsigned_abs() as usize,
-        heights_m,
-    })
+    };
+    Ok(GtxFile { layout, undulations_m })
 }
 
-fn height(value: f32) -> f32 {
-    let valid = value != NO_HEIGHT && value.abs() <= LARGEST_HEIGHT;
+fn undulation(value: f32) -> f32 {
+    let valid = value != VOID && value.abs() <= LARGEST;
     if valid { value } else { f32::NAN }
 }
 
