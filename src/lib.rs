@@ -26,3 +26,7 @@ pub use nalgebra;
 
 #[doc = include_str!("../docs/conventions.md")]
 pub mod _conventions {}
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

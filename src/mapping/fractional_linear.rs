@@ -6,6 +6,7 @@ use nalgebra::{
     Matrix2, Matrix3, Matrix3x4, Matrix4x3, Point2, Point3, RowVector3, Vector3, Vector4,
 };
 
+use super::span::Span;
 use super::{Map, RowCoords};
 use crate::camera::HomogeneousCamera;
 use crate::error::{Error, ProjectionError};
@@ -30,7 +31,8 @@ use crate::numeric::scalar::Scalar;
 /// never changes sign, so R alone cannot know the horizon.
 ///
 /// # Accuracy
-/// Each linear form is evaluated as R₁S + (R₂L + R₀) in `f64`; u and v are the numerators times one reciprocal.
+/// Each linear form is evaluated as R₁S + (R₂L + R₀) in `f64`; u and v are the numerators times one reciprocal. Rows are
+/// [spans](crate::mapping::span::Span), whose forms do not cancel.
 ///
 /// # Example
 /// A photograph taken straight down from 100 m (f = 1000 px) textures the ground z = 0; an eye 10 m above it looks level
@@ -296,16 +298,15 @@ impl FractionalLinear {
         })
     }
 
-    /// The pixels of a row whose centres satisfy both conditions: one interval, since both are linear.
+    /// The pixels of a row whose centres satisfy both conditions: one interval, since both are linear. The signs are
+    /// exact; [`at`](Map::at) decides by rounded ones, which differ only where a condition is zero to rounding.
     #[must_use]
     pub fn valid_samples(&self, line: i32, samples: Range<i32>) -> Range<i32> {
-        let y = f64::from(line) + 0.5;
-        let valid = |x: i32| {
-            let (w, eye) = self.signs(f64::from(x) + 0.5, y);
-            (w > 0.0, eye > 0.0)
-        };
-        let in_front = positive_interval(samples, self.matrix.m31, |x| valid(x).0);
-        positive_interval(in_front, self.eye[0], |x| valid(x).1)
+        let [_, _, r] = self.coefficients();
+        [r, self.eye_coefficients()].into_iter().fold(samples, |range, form| {
+            let empty = range.start..range.start;
+            Span::<0>::on_line([], form, line).map_or(empty, |span| span.valid_interval(range))
+        })
     }
 }
 
@@ -369,26 +370,6 @@ fn world_from_screen(plane: &Plane, screen: &HomogeneousCamera) -> Result<Matrix
         - screen.center * (pi.transpose() * screen.back_projection) / clearance)
 }
 
-/// The part of `samples` where a predicate, monotone in x in the direction of `slope`, holds.
-fn positive_interval(samples: Range<i32>, slope: f64, holds: impl Fn(i32) -> bool) -> Range<i32> {
-    if samples.is_empty() {
-        return samples;
-    }
-    let boundary = |value: bool| {
-        let (mut low, mut high) = (i64::from(samples.start), i64::from(samples.end));
-        while low < high {
-            let middle = low + (high - low) / 2;
-            if holds(middle as i32) == value {
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        low as i32
-    };
-    if slope > 0.0 { boundary(false)..samples.end } else { samples.start..boundary(true) }
-}
-
 impl Map for FractionalLinear {
     #[inline]
     fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
@@ -415,27 +396,13 @@ impl Map for FractionalLinear {
         ) / w)
     }
 
-    /// Solves both conditions for their interval, then walks it with one division a pixel.
+    /// Solves both conditions for their interval, then walks it with two additions and one division a pixel.
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
-        const BLOCK: usize = 64;
         out.clear();
         let valid = self.valid_samples(line, samples);
-        let y = f64::from(line) + 0.5;
-        let m = &self.matrix;
-        let constants = [0, 1, 2].map(|i| m[(i, 1)] * y + m[(i, 2)]);
-        let (mut u, mut v) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let mut x = valid.start;
-        while x < valid.end {
-            let n = BLOCK.min((valid.end - x) as usize);
-            let (us, vs) = (&mut u[..n], &mut v[..n]);
-            for (i, (u, v)) in us.iter_mut().zip(vs.iter_mut()).enumerate() {
-                let sample = f64::from(x + i as i32) + 0.5;
-                let inverse = 1.0 / (m.m31 * sample + constants[2]);
-                *u = (m.m11 * sample + constants[0]) * inverse;
-                *v = (m.m21 * sample + constants[1]) * inverse;
-            }
-            out.push_block(x, us, vs);
-            x += n as i32;
+        let [p, q, r] = self.coefficients();
+        if let Ok(span) = Span::on_line([p, q], r, line) {
+            span.walk(valid, |x, [u, v]| out.push_block(x, u, v));
         }
     }
 }

@@ -93,12 +93,14 @@ impl<const N: usize> Sub for Dual<N> {
         self.zip(o, self.value - o.value, |a, b| a - b)
     }
 }
+#[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     fn mul(self, o: Self) -> Self {
         self.zip(o, self.value * o.value, |a, b| a * o.value + b * self.value)
     }
 }
+#[allow(clippy::suspicious_arithmetic_impl, reason = "the quotient rule subtracts and multiplies")]
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
     fn div(self, o: Self) -> Self {

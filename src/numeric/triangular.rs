@@ -40,13 +40,17 @@ impl<const N: usize> Triangular<N> {
     pub(crate) fn singular(&self) -> (SVector<f64, N>, SMatrix<f64, N, N>) {
         let mut a = self.r;
         let mut v = SMatrix::<f64, N, N>::identity();
+        // A column that should be zero is only ever rotated to ε of itself; below this it counts as zero.
+        let nothing = 1e-40 * a.norm_squared();
         for _sweep in 0..40 {
             let mut rotated = false;
             for p in 0..N {
                 for q in p + 1..N {
                     let (alpha, beta) = (a.column(p).norm_squared(), a.column(q).norm_squared());
                     let gamma = a.column(p).dot(&a.column(q));
-                    if !(gamma.abs() > 1e-16 * float::sqrt(alpha * beta)) || gamma == 0.0 {
+                    // A product of N terms is not exact below N u: a smaller limit would turn rounding for ever.
+                    let limit = 0.5 * f64::EPSILON * N as f64;
+                    if !(gamma.abs() > limit * float::sqrt(alpha * beta) + nothing) {
                         continue;
                     }
                     rotated = true;

@@ -212,7 +212,7 @@ fn lens_camera() -> impl Strategy<Value = BrownCamera> {
 proptest! {
     #[test]
     fn project_after_ground_is_the_identity_out_to_the_edge_of_the_domain(
-        camera in lens_camera(), exterior in exterior(), share in 0.0..0.9999f64, angle in 0.0..6.28f64,
+        camera in lens_camera(), exterior in exterior(), share in 0.0..0.9999f64, angle in 0.0..std::f64::consts::TAU,
         p in point(2.0), tilt in point(1.0),
     ) {
         let frame = Frame::new(exterior, camera);

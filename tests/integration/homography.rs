@@ -732,6 +732,12 @@ fn the_pose_comes_back_from_the_picture_of_a_plane() {
         assert!((found.pose.rotation.matrix() - r).norm() < 1e-12, "{}", found.pose.rotation);
         assert!((found.pose.translation() - t).norm() < 1e-11 && found.residual < 1e-12);
         assert!(found.pose.apply(&Point3::origin()).z > 0.0);
+        let noisy = Homography::from_matrix(matrix(&case["noisy"])).unwrap();
+        let nearest = pose_from_plane(&noisy, &k).unwrap();
+        let t = Vector3::from_vec(list(&case["nearest_translation"]));
+        assert!((nearest.pose.rotation.matrix() - matrix(&case["nearest"])).norm() < 1e-12);
+        assert!((nearest.pose.translation() - t).norm() < 1e-11);
+        assert!((nearest.residual - case["residual"].as_f64().unwrap()).abs() < 1e-12);
         // The other orientation looks at the plane from behind the camera: the same rays, turned round.
         let behind = pose_from_plane(&Homography::from_matrix(-h).unwrap(), &k).unwrap();
         assert!(behind.pose.apply(&Point3::origin()).z < 0.0);
@@ -772,6 +778,12 @@ fn the_motions_of_a_plane_are_opencvs_four() {
         }
         let seen = visible(&motions, &[Point2::new(640.0, 480.0)], &k).unwrap();
         assert_eq!(seen.len(), 2);
+        let kept = |c: &serde_json::Value| {
+            let (r, t, n) =
+                (matrix(&c["rotation"]), vector(&c["translation"]), vector(&c["normal"]));
+            seen.iter().map(|m| same(m, &r, &t, &n)).fold(f64::INFINITY, f64::min)
+        };
+        assert!(kept(case) < 1e-12, "{}", kept(case));
     }
 }
 

@@ -4,7 +4,10 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "a test fails by panicking, and says what it skips"
+    clippy::inconsistent_digit_grouping,
+    unreachable_pub,
+    unused_qualifications,
+    reason = "a test fails by panicking and says what it skips; helpers are shared within one binary; digits are as printed"
 )]
 
 mod camera;

@@ -144,6 +144,8 @@ proptest! {
         for (x, [u]) in walked(&span, range) {
             prop_assert!(c.error(x, u) <= bound, "{} > {bound} at {x}", c.error(x, u));
         }
+        // Up to the horizon itself: blocks in which w changes much are not walked.
+        prop_assert!(bound.is_finite());
     }
 
     #[test]
@@ -456,6 +458,20 @@ fn runs_at_the_horizon_are_exact() {
     for (x, [u]) in &row[..11] {
         assert_eq!(span.at(*x), Ok([*u]));
     }
+    // A long run would be exact all along, and slow: that is not an approximation within the tolerance.
+    assert_eq!(Approximation::for_tolerance(&span, 0..200, 0.1, Degree::Cubic).run(), 1);
+}
+
+#[test]
+fn blocks_that_come_near_the_horizon_are_not_walked() {
+    // w = 1 at pixel 64 and 63 001 at pixel 127; 64 001 to 127 001 in the next block.
+    let c = Integers {
+        numerator: [1_234_567_890_123_457, 3_002_399_751_580_331],
+        denominator: [-63_999, 1000],
+    };
+    let span = c.span();
+    assert_eq!(walked(&span, 0..128), exact(&span, 0..128));
+    assert_ne!(walked(&span, 128..192), exact(&span, 128..192));
 }
 
 #[test]

@@ -25,7 +25,7 @@ use crate::numeric::triangular::Triangular;
 /// The pose found from one picture of a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanePose {
-    /// camera_from_plane: the plane is z = 0 of its own frame, whose z axis completes the plane's x and y to a right-handed
+    /// `camera_from_plane`: the plane is z = 0 of its own frame, whose z axis completes the plane's x and y to a right-handed
     /// system.
     pub pose: Pose,
     /// How far the picture's two axes are from orthogonal and equally long: (σ₁ − σ₂)/(σ₁ + σ₂) of the first two columns
@@ -40,7 +40,7 @@ pub struct PlanePose {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneMotion {
-    /// R, second_from_first.
+    /// R, `second_from_first`.
     pub rotation: Rotation3<f64>,
     /// t/d: the translation in units of the first camera's distance from the plane.
     pub translation: Vector3<f64>,
@@ -100,7 +100,7 @@ pub fn pose_from_plane(
     let sum = float::sqrt(aa + bb + 2.0 * area);
     let measure = area / (aa + bb);
     let limit = 4.0 * f64::EPSILON;
-    if !(measure > limit) {
+    if measure.is_nan() || measure <= limit {
         let measure = if measure.is_finite() { measure } else { 0.0 };
         return Err(Error::Degenerate { what: "picture of a plane", measure, limit });
     }
@@ -168,7 +168,7 @@ pub fn decompose(
     let measure = if sigma[0] > 0.0 { sigma[2] / sigma[0] } else { 0.0 };
     let limit = 8.0 * f64::EPSILON;
     let degenerate = Error::Degenerate { what: "homography of a plane", measure, limit };
-    if !(measure > limit) {
+    if measure.is_nan() || measure <= limit {
         return Err(degenerate);
     }
     let a = g / sigma[1];

@@ -11,6 +11,7 @@ pub mod decompose;
 mod fit;
 mod quad;
 mod robust;
+mod transfer;
 
 use core::ops::Mul;
 
@@ -45,7 +46,7 @@ use crate::numeric::twofold::{Twofold, determinant};
 /// *Domain.* The matrix is finite and regular.
 ///
 /// # Example
-/// The texture square onto a quad, with the numbers of the test in ZXing's `PerspectiveTransformTestCase` (Owen):
+/// The texture square onto a quad, with the numbers of `PerspectiveTransformTestCase` of zxing (Owen):
 /// ```
 /// use collinear::geometry::Homography;
 /// use nalgebra::Point2;
@@ -215,7 +216,7 @@ impl Homography {
         }
     }
 
-    /// This map after `first`: c_from_b.after(b_from_a) is c_from_a. The denominators multiply, so that a point is in
+    /// This map after `first`: `c_from_b.after(b_from_a)` is `c_from_a`. The denominators multiply, so that a point is in
     /// front of the composition where it is in front (or behind) in both.
     #[must_use]
     pub fn after(&self, first: &Self) -> Self {
@@ -271,14 +272,14 @@ fn regular(matrix: &Matrix3<f64>) -> Result<Equilibrated, Error> {
     }
     let mut a = *matrix;
     let (mut rows, mut columns) = ([1.0; 3], [1.0; 3]);
-    for i in 0..3 {
+    for (i, row) in rows.iter_mut().enumerate() {
         let power = unit_power(a.row(i).amax());
-        rows[i] = 1.0 / power;
+        *row = 1.0 / power;
         a.row_mut(i).scale_mut(power);
     }
-    for j in 0..3 {
+    for (j, column) in columns.iter_mut().enumerate() {
         let power = unit_power(a.column(j).amax());
-        columns[j] = 1.0 / power;
+        *column = 1.0 / power;
         a.column_mut(j).scale_mut(power);
     }
     let cofactors = Matrix3::from_fn(|i, j| {
@@ -294,7 +295,7 @@ fn regular(matrix: &Matrix3<f64>) -> Result<Equilibrated, Error> {
         (exact(0, 0) * minor(0) + exact(0, 1) * minor(1) + exact(0, 2) * minor(2)).round();
     let weight: f64 = a.iter().zip(&cofactors).map(|(a, c)| (a * c).abs()).sum();
     let measure = if weight > 0.0 { determinant.abs() / weight } else { 0.0 };
-    if !(measure > SINGULAR) {
+    if measure.is_nan() || measure <= SINGULAR {
         return Err(Error::Degenerate { what: "homography matrix", measure, limit: SINGULAR });
     }
     Ok(Equilibrated { rows, columns, cofactors, determinant })

@@ -48,7 +48,7 @@ impl Homography {
     /// let grid: Vec<_> = (0..36).map(|i| Point2::new(f64::from(i % 6), f64::from(i / 6))).collect();
     /// let image: Vec<_> = grid.iter().enumerate().map(|(i, p)| {
     ///     let right = Point2::from(p.coords / (1.0 + p.y / 10.0));
-    ///     if i % 3 == 0 { Point2::new(right.y * 7.0, f64::from(i as u32)) } else { right }
+    ///     if i % 3 == 0 { Point2::new(7.0 + right.y, f64::from(i as u32)) } else { right }
     /// }).collect();
     /// let options = ConsensusOptions { threshold: 1e-6, ..Default::default() };
     /// let found = Homography::fit_robust(&grid, &image, &options)?;

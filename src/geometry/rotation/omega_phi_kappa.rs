@@ -74,7 +74,7 @@ impl OmegaPhiKappa {
     /// The matrix whose columns are the left rotation vectors of a unit change of ω, φ, κ.
     ///
     /// ```text
-    /// δM = [δθ]× M,    δθ = J (δω, δφ, δκ)ᵀ,    J = −( R₃R₂e₁  R₃e₂  e₃ )
+    /// δM = \[δθ\]× M,    δθ = J (δω, δφ, δκ)ᵀ,    J = −( R₃R₂e₁  R₃e₂  e₃ )
     /// ```
     ///
     /// An adjustment that solves for δθ turns its result, and its covariance, into angles by J⁻¹. J is singular where

@@ -168,12 +168,8 @@ impl Approximation {
                 }
             }
         }
-        // Runs that are evaluated exactly, by up to 4 ulp.
-        let ends = [valid.start, valid.end - 1].map(|x| span.at(x).unwrap_or([f64::INFINITY; N]));
-        core::array::from_fn(|k| {
-            let largest = f64::max(ends[0][k].abs(), ends[1][k].abs());
-            f64::max(bound[k], 4.5 * 0.5 * f64::EPSILON * largest)
-        })
+        let exact = span.exact_bound(valid);
+        core::array::from_fn(|k| f64::max(bound[k], exact[k]))
     }
 
     /// w at a run's two ends, where the run is approximated.

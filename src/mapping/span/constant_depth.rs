@@ -49,7 +49,7 @@ pub struct ConstantDepthLines<const N: usize> {
     slope: f64,
 }
 
-/// The values of k + m S on pixels within 2²⁵ of the origin lose no more than this of the half pixel.
+/// The most that a pixel's centre is off its line: half a pixel, and what rounding of m S can add within 2²⁵ pixels.
 const HALF: f64 = 0.5 + 1.0 / (1 << 24) as f64;
 
 impl<const N: usize> ConstantDepthLines<N> {

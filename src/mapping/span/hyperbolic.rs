@@ -111,16 +111,18 @@ impl<const N: usize> Span<N> {
         [self.denominator.at(x), self.denominator.at(x + (BLOCK - 1) as f64)]
     }
 
+    /// Whether the block's denominators differ little. Of a block with valid pixels at least one is positive, and the
+    /// comparisons then fail unless both are.
     #[inline]
     fn is_walkable(&self, anchor: i32) -> bool {
         let [a, b] = self.block_depths(anchor);
-        a > 0.0 && b > 0.0 && a <= WALKABLE * b && b <= WALKABLE * a
+        a <= WALKABLE * b && b <= WALKABLE * a
     }
 
     /// How far an attribute of [`walk`](Self::walk) can be from the exact ratio at the valid pixels of `range`.
     ///
-    /// The largest [`drift_bound`](Self::drift_bound) with 7 additions among the blocks that `range` touches. The cost
-    /// is a look at each block.
+    /// The largest [`drift_bound`](Self::drift_bound) with 7 additions among the blocks that `range` touches, or 4 ulp in
+    /// those that are evaluated exactly. The cost is a look at each block.
     #[must_use]
     pub fn walk_bound(&self, range: Range<i32>) -> [f64; N] {
         let valid = self.valid_interval(range);
@@ -131,8 +133,7 @@ impl<const N: usize> Span<N> {
             let of_block = if self.is_walkable(anchor) {
                 self.bound(block, ADDITIONS)
             } else {
-                // No additions: the forms are as exact as their first values.
-                self.bound(block.start.max(valid.start)..block.end.min(valid.end), 0)
+                self.exact_bound(block.start.max(valid.start)..block.end.min(valid.end))
             };
             for (b, o) in bound.iter_mut().zip(of_block) {
                 *b = f64::max(*b, o);
@@ -188,6 +189,15 @@ impl<const N: usize> Span<N> {
     pub fn drift_bound(&self, range: Range<i32>, additions: u32) -> [f64; N] {
         let valid = self.valid_interval(range);
         if valid.is_empty() { [0.0; N] } else { self.bound(valid, additions) }
+    }
+
+    /// The bound on exact values at a range of positive denominators, which are largest at its ends.
+    pub(super) fn exact_bound(&self, range: Range<i32>) -> [f64; N] {
+        let ends = [range.start, range.end - 1].map(|x| self.relative(x));
+        self.numerators.map(|l| {
+            let [a, b] = ends.map(|x| (l.at(x) / self.denominator.at(x)).abs());
+            4.5 * UNIT * a.max(b)
+        })
     }
 
     /// The bound on a range of positive denominators.

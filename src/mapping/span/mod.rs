@@ -249,7 +249,6 @@ impl<const N: usize> Span<N> {
         if a.x == b.x {
             return Err(Error::Degenerate { what: "span ends", measure: 0.0, limit: 0.0 });
         }
-        // Truncation and rounding down agree on multiples of 64 once x is made an integer from below.
         let origin = (crate::numeric::float::floor(a.x) as i32).div_euclid(64) * 64;
         let centre = f64::from(origin) + 0.5;
         let (xa, xb) = (Twofold::new(a.x - centre), Twofold::new(b.x - centre));

@@ -180,7 +180,17 @@ def poses():
         r = rotation(rng.uniform(-1, 1, 3))
         t = np.array([rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(5, 20)])
         h = k @ np.c_[r[:, :2], t] * rng.uniform(0.1, 3)
-        cases.append(dict(k=k.tolist(), h=h.tolist(), rotation=r.tolist(), translation=t.tolist()))
+        # A plane picture that is no rotation's: the nearest one by the singular value decomposition.
+        m = np.c_[r[:, :2], t] + rng.uniform(-0.1, 0.1, (3, 3))
+        u, sigma, vt = np.linalg.svd(m[:, :2], full_matrices=False)
+        near, size = u @ vt, sigma.mean()
+        cases.append(
+            dict(
+                k=k.tolist(), h=h.tolist(), rotation=r.tolist(), translation=t.tolist(),
+                noisy=(k @ m).tolist(), nearest=np.c_[near, np.cross(near[:, 0], near[:, 1])].tolist(),
+                nearest_translation=(m[:, 2] / size).tolist(), residual=float((sigma[0] - sigma[1]) / sigma.sum()),
+            )
+        )
     return cases
 
 
