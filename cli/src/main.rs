@@ -33,6 +33,9 @@ Exit codes: 0 done, 1 failed (an old output is left as it was), 2 wrong usage.";
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(command::render::Arguments),
+    Rectify(command::rectify::Arguments),
+    Project(command::project::Arguments),
+    Overlay(command::overlay::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -42,12 +45,15 @@ fn main() -> ExitCode {
     };
     let result = match program.command {
         Command::Render(arguments) => arguments.run(),
+        Command::Rectify(arguments) => arguments.run(),
+        Command::Project(arguments) => arguments.run(),
+        Command::Overlay(arguments) => arguments.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            command::say(&format!("error: {error:#}"));
-            ExitCode::from(FAILURE)
+            command::say(&format!("error: {error}"));
+            ExitCode::from(if error.is::<command::UsageError>() { USAGE } else { FAILURE })
         }
     }
 }

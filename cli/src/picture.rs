@@ -55,6 +55,10 @@ impl Rgb {
         Ok(picture)
     }
 
+    pub(crate) fn data(&self) -> &[u8] {
+        &self.data
+    }
+
     pub(crate) fn view(&self) -> Result<ImageView<'_, u8, 3>, collinear::Error> {
         ImageView::new(&self.data, self.width as usize, self.height as usize)
     }

@@ -5,9 +5,9 @@ use std::fmt;
 use std::path::Path;
 
 use anyhow::{Result, anyhow};
-use collinear::camera::{Brown, HomogeneousCamera};
+use collinear::camera::HomogeneousCamera;
 use collinear::geometry::Plane;
-use collinear::mapping::{FractionalLinear, Map, PhotographMap};
+use collinear::mapping::Map;
 use collinear::nalgebra::{Point3, Vector3};
 use collinear::resample::{Border, Filter, ImageView, ImageViewMut};
 use collinear::texturer::{
@@ -17,6 +17,7 @@ use collinear_io::convert::Camera;
 use collinear_io::picture::Picture;
 use collinear_io::scene::{self, Fill, Interpolation, Polygon, SceneFile};
 
+use crate::photograph::PlaneMap;
 use crate::picture::{Rgb, check_size};
 
 /// Vertices farther from their common plane than this, as a part of the polygon's size, are told in the report.
@@ -73,8 +74,9 @@ impl fmt::Display for Remark {
 /// `folder` is empty. `progress` is called with the number of steps done and of all steps: a picture read is a step, a
 /// polygon is another.
 ///
-/// A polygon whose photograph's camera has no lens errors is drawn through [`FractionalLinear`] alone, any other through
-/// [`PhotographMap`]. What lies outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes
+/// A polygon whose photograph's camera has no lens errors is drawn through
+/// [`FractionalLinear`](collinear::mapping::FractionalLinear) alone, any other through
+/// [`PhotographMap`](collinear::mapping::PhotographMap). What lies outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes
 /// colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
 /// [reported](Report::refused).
 ///
@@ -224,9 +226,9 @@ impl Draw<'_, '_> {
             Fill::Photograph(name) => {
                 let (picture, camera) =
                     sources.photographs.get(name.as_str()).ok_or("its photograph is not there")?;
-                let map = photograph_map(&plane, camera, self.screen)
+                let map = PlaneMap::new(&plane, camera, self.screen)
                     .map_err(|e| format!("photograph `{name}`: {e}"))?;
-                (picture.view().map_err(text)?, Border::Transparent, map)
+                (picture.view().map_err(text)?, Border::Transparent, map.boxed())
             }
             Fill::Texture { name, coordinates } => {
                 let (picture, border) =
@@ -263,25 +265,6 @@ impl Draw<'_, '_> {
         }
         Ok(Outcome::Drawn { notes })
     }
-}
-
-/// The map of a plane into a photograph.
-pub(crate) fn photograph_map(
-    plane: &Plane,
-    photograph: &Camera,
-    screen: &HomogeneousCamera,
-) -> Result<Box<dyn Map>, collinear::Error> {
-    let linear = match photograph {
-        Camera::Pinhole(frame) => frame.homogeneous(),
-        Camera::Brown(frame) if *frame.camera.distortion() == Brown::none() => {
-            frame.ideal().homogeneous()
-        }
-        Camera::Brown(frame) => {
-            return Ok(Box::new(PhotographMap::from_plane(plane, frame, screen)?));
-        }
-        Camera::Orthographic(camera) => camera.homogeneous(),
-    };
-    Ok(Box::new(FractionalLinear::from_plane(plane, &linear, screen)?))
 }
 
 /// A polygon's plane; and, where its vertices do not lie in one, a remark on how far they are off it.
