@@ -2,43 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::io::BufReader;
 use std::path::Path;
 
 use crate::brute_force::caster::{Sight, Town, in_parallel};
-use crate::output::write_png;
-
-struct Image {
-    width: usize,
-    height: usize,
-    data: Vec<u8>,
-}
-
-fn read_png(path: &Path) -> Result<Image, Box<dyn Error>> {
-    let decoder = png::Decoder::new(BufReader::new(std::fs::File::open(path)?));
-    let mut reader = decoder.read_info()?;
-    let mut data = vec![0; reader.output_buffer_size().ok_or("too large")?];
-    let info = reader.next_frame(&mut data)?;
-    Ok(Image { width: info.width as usize, height: info.height as usize, data })
-}
-
-impl Image {
-    /// Between the four nearest pixel centres; the border repeats.
-    fn bilinear(&self, (x, y): (f64, f64)) -> [f64; 3] {
-        let (x, y) = (x - 0.5, y - 0.5);
-        let (u, v) = (x - x.floor(), y - y.floor());
-        let pixel = |dx: f64, dy: f64, c: usize| {
-            let i = (x.floor() + dx).clamp(0.0, self.width as f64 - 1.0) as usize;
-            let j = (y.floor() + dy).clamp(0.0, self.height as f64 - 1.0) as usize;
-            f64::from(self.data[3 * (j * self.width + i) + c])
-        };
-        [0, 1, 2].map(|c| {
-            let top = pixel(0.0, 0.0, c) * (1.0 - u) + pixel(1.0, 0.0, c) * u;
-            let low = pixel(0.0, 1.0, c) * (1.0 - u) + pixel(1.0, 1.0, c) * u;
-            top * (1.0 - v) + low * v
-        })
-    }
-}
+use crate::brute_force::picture::{Image, write_png};
 
 struct Verdict {
     textured: [f64; 3],
@@ -51,7 +18,7 @@ pub(crate) fn run(town: &Town, directory: &Path) -> Result<(), Box<dyn Error>> {
     let images = town
         .photographs
         .iter()
-        .map(|p| read_png(&directory.join(format!("{}.png", p.name))))
+        .map(|p| Image::read(&directory.join(format!("{}.png", p.name))))
         .collect::<Result<Vec<_>, _>>()?;
     let view = &town.view;
     let rows = in_parallel(view.height, |y| {
@@ -69,32 +36,26 @@ pub(crate) fn run(town: &Town, directory: &Path) -> Result<(), Box<dyn Error>> {
             })
             .collect::<Vec<_>>()
     });
-    let all = rows.concat_verdicts();
+    let all: Vec<Verdict> = rows.into_iter().flatten().collect();
     report(town, &all);
     let pick = |f: fn(&Verdict) -> [f64; 3]| all.iter().map(f).collect::<Vec<_>>();
     write_png(&directory.join("check-textured.png"), view, &pick(|v| v.textured))?;
     write_png(&directory.join("check-cast.png"), view, &pick(|v| v.cast))?;
-    write_png(&directory.join("check-error.png"), view, &pick(|v| {
-        let shade = match v.sight {
-            Sight::Unoccluded => [0.0, 0.0, 0.0],
-            Sight::NearEdge => [0.0, 40.0, 0.0],
-            Sight::Hidden => [150.0, 0.0, 0.0],
-            Sight::Background => [0.0, 0.0, 150.0],
-        };
-        let error = difference(v) * 20.0;
-        shade.map(|s| if v.sight == Sight::Unoccluded { f64::min(error, 255.0) } else { s })
-    }))?;
+    write_png(
+        &directory.join("check-error.png"),
+        view,
+        &pick(|v| {
+            let shade = match v.sight {
+                Sight::Unoccluded => [0.0, 0.0, 0.0],
+                Sight::NearEdge => [0.0, 40.0, 0.0],
+                Sight::Hidden => [150.0, 0.0, 0.0],
+                Sight::Background => [0.0, 0.0, 150.0],
+            };
+            let error = difference(v) * 20.0;
+            shade.map(|s| if v.sight == Sight::Unoccluded { f64::min(error, 255.0) } else { s })
+        }),
+    )?;
     Ok(())
-}
-
-trait Concat {
-    fn concat_verdicts(self) -> Vec<Verdict>;
-}
-
-impl Concat for Vec<Vec<Verdict>> {
-    fn concat_verdicts(self) -> Vec<Verdict> {
-        self.into_iter().flatten().collect()
-    }
 }
 
 /// Mean over the channels, both rounded to 8 bits.

@@ -32,8 +32,9 @@ fn sky(x: f64, z: f64) -> V3 {
     let low = rgb(0xEFE3CB).mix(rgb(0xBFD3DF), ramp(0.0, 130.0, z));
     let c = low.mix(rgb(0x7FA9CF), ramp(70.0, 380.0, z));
     // Flat-bottomed banks that thin out upwards.
-    let billow = clouds(x / 120.0 + 0.6, z / 42.0, 101) + 0.25 * clouds(x / 35.0, z / 15.0, 105);
+    let billow = clouds(x / 120.0 + 0.6, z / 42.0, 101) + 0.25 * clouds(x / 33.0, z / 13.0, 105);
     let bank = ramp(0.08, 0.62, billow) * ramp(30.0, 75.0, z) * ramp(400.0, 150.0, z);
-    let shine = rgb(0xF4E9D6).mix(rgb(0xDDDFE2), ramp(0.2, 0.9, clouds(x / 90.0, z / 30.0 + 0.4, 109)));
+    let shine =
+        rgb(0xF4E9D6).mix(rgb(0xDDDFE2), ramp(0.2, 0.9, clouds(x / 90.0, z / 30.0 + 0.4, 109)));
     c.mix(shine, 0.85 * bank)
 }

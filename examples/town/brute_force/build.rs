@@ -61,12 +61,10 @@ impl Builder {
         &mut self,
         name: &str,
         site: Site,
-        (x0, x1): (f64, f64),
-        (y0, y1): (f64, f64),
-        (z0, z1): (f64, f64),
-        paint: &Paint,
-        top: &Paint,
+        sides: [(f64, f64); 3],
+        (paint, top): (&Paint, &Paint),
     ) {
+        let [(x0, x1), (y0, y1), (z0, z1)] = sides;
         let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
         for (i, side) in ["front", "right", "back", "left"].iter().enumerate() {
             let (a, b) = (corners[i], corners[(i + 1) % 4]);
@@ -115,7 +113,15 @@ impl Builder {
     }
 
     /// A flat polygon with `sides` corners.
-    pub(crate) fn disc(&mut self, name: &str, site: Site, sides: usize, r: f64, z: f64, paint: Paint) {
+    pub(crate) fn disc(
+        &mut self,
+        name: &str,
+        site: Site,
+        sides: usize,
+        r: f64,
+        z: f64,
+        paint: Paint,
+    ) {
         let corner = |i: usize| {
             let angle = std::f64::consts::TAU * (i as f64 + 0.5) / sides as f64;
             site.at(r * angle.cos(), r * angle.sin(), z)
@@ -138,8 +144,13 @@ impl Builder {
             trunk.clone()
         });
         let ring = |r: f64, z: f64| (radius * r, middle + half * z);
-        let profile =
-            [ring(0.0, -0.95), ring(0.72, -0.72), ring(1.0, -0.1), ring(0.75, 0.62), ring(0.0, 1.0)];
+        let profile = [
+            ring(0.0, -0.95),
+            ring(0.72, -0.72),
+            ring(1.0, -0.1),
+            ring(0.75, 0.62),
+            ring(0.0, 1.0),
+        ];
         self.turned(name, site, 9, &profile, |_, _| paint.clone());
     }
 
@@ -164,7 +175,8 @@ impl Builder {
     pub(crate) fn figure(&mut self, name: &str, x: f64, y: f64, coat: u32, legs: u32) {
         let site = Site::new(x, y, (x * 37.0).rem_euclid(60.0));
         let paint = Paint::Figure { coat: rgb(coat), legs: rgb(legs) };
-        let profile = [(0.2, 0.0), (0.3, 0.85), (0.28, 1.3), (0.13, 1.45), (0.14, 1.7), (0.0, 1.78)];
+        let profile =
+            [(0.2, 0.0), (0.3, 0.85), (0.28, 1.3), (0.13, 1.45), (0.14, 1.7), (0.0, 1.78)];
         self.turned(name, site, 5, &profile, |_, _| paint.clone());
     }
 }

@@ -66,7 +66,7 @@ impl Town {
         let pixel = camera.project(p)?;
         let d = p - camera.center;
         let ray = Ray { origin: camera.center, direction: d, from: 0.0, to: 1.0 - 1e-7 };
-        let own = |q: &Polygon| std::ptr::eq(q, &raw const self.polygons[index]);
+        let own = |q: &Polygon| std::ptr::eq(q, &self.polygons[index]);
         (!self.tree.any(&self.polygons, ray, |q| !own(q))).then_some(pixel)
     }
 
@@ -120,8 +120,12 @@ impl Town {
             && place.1 >= MARGIN
             && place.0 <= width - MARGIN
             && place.1 <= height - MARGIN;
+        // Tiles of one plane that share a photograph have no edge between them.
+        let surface = |i: usize| (self.polygons[i].light, self.assigned[i]);
         let clear = |camera: &Camera, at: (f64, f64)| {
-            ring(at).all(|p| self.look(camera, p).is_some_and(|h| h.polygon == hit.polygon))
+            ring(at).all(|p| {
+                self.look(camera, p).is_some_and(|h| surface(h.polygon) == surface(hit.polygon))
+            })
         };
         if framed && clear(camera, center) && clear(photograph, place) {
             Sight::Unoccluded

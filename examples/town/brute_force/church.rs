@@ -5,7 +5,7 @@ use super::facade::{Opening, Row, Style, Wall};
 use super::ink::rgb;
 use super::paint::Paint;
 
-const STONE: u32 = 0xCBBb9c;
+const STONE: u32 = 0xCBBB9C;
 const TRIM: u32 = 0xE6DBC2;
 const COPPER: u32 = 0x7FA894;
 const TILES: u32 = 0x9A5F47;
@@ -64,7 +64,7 @@ fn tower(b: &mut Builder) {
     let (skirt, neck) = (27.6, 1.0 / (std::f64::consts::PI / 8.0).cos());
     let apothem = 2.55;
     let spire = Paint::roof(COPPER, 0.9, 99.0, 170);
-    b.turned("spire", middle, 8, &[(apothem * neck, skirt), (0.0, 45.0)], |_, _| spire.clone());
+    b.turned("spire", middle, 8, &[(apothem * neck, skirt), (0.0, 42.5)], |_, _| spire.clone());
     let corner = |k: usize| {
         let angle = std::f64::consts::FRAC_PI_4 * (2.0 * k as f64 + 1.0);
         (half * angle.cos().signum(), half * angle.sin().signum())
@@ -85,15 +85,14 @@ fn tower(b: &mut Builder) {
         ];
         b.face(&format!("spire skirt {k}"), side, spire.clone());
         let g = eighth(2 * k + 1);
-        let broach = vec![
-            middle.at(d.0, d.1, low),
-            middle.at(g.0, g.1, skirt),
-            middle.at(f.0, f.1, skirt),
-        ];
+        let broach =
+            vec![middle.at(d.0, d.1, low), middle.at(g.0, g.1, skirt), middle.at(f.0, f.1, skirt)];
         b.face(&format!("spire broach {k}"), broach, spire.clone());
     }
     let gold = Paint::Plain(rgb(0xC9A24A));
-    b.turned("spire ball", middle, 6, &[(0.0, 44.6), (0.4, 45.0), (0.0, 45.4)], |_, _| gold.clone());
+    b.turned("spire ball", middle, 6, &[(0.0, 42.1), (0.4, 42.5), (0.0, 42.9)], |_, _| {
+        gold.clone()
+    });
 }
 
 fn nave(b: &mut Builder) {
@@ -113,10 +112,15 @@ fn nave(b: &mut Builder) {
         at(0.0, 0.0, EAVE),
     ];
     b.face("nave south", front, wall(WIDTH, EAVE, Vec::new(), &bands, 171));
-    let east =
-        vec![at(WIDTH, 0.0, 0.0), at(WIDTH, LENGTH, 0.0), at(WIDTH, LENGTH, EAVE), at(WIDTH, 0.0, EAVE)];
+    let east = vec![
+        at(WIDTH, 0.0, 0.0),
+        at(WIDTH, LENGTH, 0.0),
+        at(WIDTH, LENGTH, EAVE),
+        at(WIDTH, 0.0, EAVE),
+    ];
     b.face("nave east", east, wall(LENGTH, EAVE, lancets(5, 4.2), &bands, 172));
-    let west = vec![at(0.0, LENGTH, 0.0), at(0.0, 0.0, 0.0), at(0.0, 0.0, EAVE), at(0.0, LENGTH, EAVE)];
+    let west =
+        vec![at(0.0, LENGTH, 0.0), at(0.0, 0.0, 0.0), at(0.0, 0.0, EAVE), at(0.0, LENGTH, EAVE)];
     b.face("nave west", west, wall(LENGTH, EAVE, lancets(5, 4.2), &bands, 173));
     let back = vec![
         at(WIDTH, LENGTH, 0.0),

@@ -1,6 +1,6 @@
 //! Walls: plaster, brick, dressed stone and half-timbering, with their windows and doors.
 
-use super::ink::{SOFT, arch, clouds, comb, hash, ink, noise, ramp, rectangle, rgb, segment};
+use super::ink::{arch, clouds, comb, hash, ink, noise, ramp, rectangle, rgb, segment};
 use super::vector::{V3, v3};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +77,7 @@ impl Wall {
     fn surface(&self, s: f64, t: f64) -> V3 {
         let mottle = clouds(s * 0.45, t * 0.35, self.seed);
         let damp = ramp(2.2, 0.2, t + 0.5 * mottle);
-        let plain = self.color * (1.0 + 0.028 * mottle - 0.06 * damp);
+        let plain = self.color * (1.0 + 0.018 * mottle - 0.06 * damp);
         match self.style {
             Style::Plaster => {
                 let quoin = s.min(self.width - s) - 0.32;
@@ -86,7 +86,7 @@ impl Wall {
             Style::Brick => {
                 let joint = ramp(0.16, 0.0, comb(t, 0.5));
                 let shade = noise(s * 1.3, (t / 0.5).round() * 0.8, self.seed + 7);
-                plain * (1.0 + 0.04 * shade - 0.05 * joint)
+                plain * (1.0 + 0.025 * shade - 0.045 * joint)
             }
             Style::Stone => {
                 let course = (t / 0.8).floor();
@@ -95,10 +95,10 @@ impl Wall {
                 let shade = hash(block as i64, course as i64, self.seed) - 0.5;
                 let edge = comb(t, 0.8).min(comb(s + shift, 1.6));
                 let joint = ramp(0.16, 0.0, edge);
-                plain * (1.0 + 0.06 * shade * (1.0 - joint) - 0.05 * joint)
+                plain * (1.0 + 0.05 * shade * (1.0 - joint) - 0.035 * joint)
             }
             Style::Timber { from } => {
-                let wood = rgb(0x5A4332) * (1.0 + 0.08 * noise(s * 0.7, t * 2.0, self.seed + 9));
+                let wood = rgb(0x816852) * (1.0 + 0.08 * noise(s * 0.7, t * 2.0, self.seed + 9));
                 plain.mix(wood, ink(self.beams(s, t, from)))
             }
         }
@@ -122,7 +122,7 @@ impl Wall {
         // Saint Andrew's crosses below the window rails, braces in the end bays.
         let cell = (s / bay).floor();
         let x = s - cell * bay;
-        if within < 0.95 && hash(cell as i64, floor as i64, self.seed) < 0.45 {
+        if within < 0.95 && hash(cell as i64, floor as i64, self.seed) < 0.25 {
             let down = segment((x, within), (0.0, 0.0), (bay, 0.95));
             let up = segment((x, within), (0.0, 0.95), (bay, 0.0));
             d = d.min(down + 0.02).min(up + 0.02);
@@ -171,7 +171,8 @@ impl Wall {
                 c.mix(depth, ink(arch(x, y, hw, h)))
             }
             Opening::Shop(color) => {
-                let c = c.mix(color, ink(rectangle(x, y - 0.5 * h - 0.15, hw + 0.2, 0.5 * h + 0.35)));
+                let c =
+                    c.mix(color, ink(rectangle(x, y - 0.5 * h - 0.15, hw + 0.2, 0.5 * h + 0.35)));
                 let glass = rgb(0x3C474B).mix(rgb(0xC9A36B), 0.35 + 0.35 * luck);
                 let pane = rectangle(comb(x, hw) - 0.5 * hw, y - 0.5 * h, 0.5 * hw - 0.09, 0.5 * h);
                 let c = c.mix(glass, ink(pane.max(x.abs() - hw)));
@@ -208,16 +209,16 @@ impl Wall {
         let c = c.mix(self.trim, ink(rectangle(x, v, hw + 0.15, 0.5 * h + 0.15)));
         let sill = rectangle(x, y + 0.2, hw + 0.26, 0.09);
         let c = c.mix(self.trim * 1.06, ink(sill));
-        let bars = x.abs().min((y - 0.64 * h).abs()) - 0.05;
-        let frame = v3(0.84, 0.82, 0.76);
-        let pane = glazing(y / h, luck).mix(frame, 0.85 * ink(bars));
+        let bars = x.abs().min((y - 0.64 * h).abs()) - 0.03;
+        let frame = v3(0.8, 0.78, 0.72);
+        let pane = glazing(y / h, luck).mix(frame, 0.6 * ink(bars));
         c.mix(pane, ink(rectangle(x, v, hw, 0.5 * h)))
     }
 }
 
 /// Glass: a bright sky above, the room's dark or a curtain below.
 fn glazing(up: f64, luck: f64) -> V3 {
-    let sky = rgb(0x6F8797).mix(rgb(0x3A454D), ramp(1.0, 0.1, up));
+    let sky = rgb(0x7C909C).mix(rgb(0x4A555C), ramp(1.0, 0.1, up));
     let curtain = rgb(0xB9A98F);
     sky.mix(curtain, if luck > 0.72 { 0.55 } else { 0.12 * luck })
 }
@@ -231,9 +232,9 @@ fn clock(c: V3, x: f64, y: f64, radius: f64) -> V3 {
     let hour = comb(angle, std::f64::consts::PI / 6.0) * r - 0.07;
     let c = c.mix(gold, ink(hour.max((r - 0.72 * radius).abs() - 0.16)));
     // Twenty to six, as the sun stands.
-    let hand = |to: f64, reach: f64| segment((x, y), (0.0, 0.0), (reach * to.sin(), reach * to.cos()));
+    let hand =
+        |to: f64, reach: f64| segment((x, y), (0.0, 0.0), (reach * to.sin(), reach * to.cos()));
     let minute = hand(std::f64::consts::TAU * 40.0 / 60.0, 0.66 * radius) - 0.05;
     let hours = hand(std::f64::consts::TAU * (5.0 + 40.0 / 60.0) / 12.0, 0.45 * radius) - 0.08;
-    let _ = SOFT;
     c.mix(v3(0.88, 0.84, 0.7), ink(minute.min(hours)))
 }

@@ -5,18 +5,20 @@ use super::vector::V3;
 
 pub(crate) const FOUNTAIN: (f64, f64) = (4.0, -3.0);
 
+type Place = (f64, f64);
+
 /// Streets: ends and half width.
-const STREETS: [((f64, f64), (f64, f64), f64); 12] = [
-    ((3.0, -150.0), (3.0, -24.0), 5.2),
+const STREETS: [(Place, Place, f64); 12] = [
+    ((3.0, -300.0), (3.0, -24.0), 5.2),
     ((-8.5, 20.0), (-8.5, 36.0), 3.0),
-    ((22.0, -14.8), (150.0, -22.0), 2.9),
-    ((-22.0, 2.5), (-150.0, 9.0), 3.1),
+    ((22.0, -14.8), (600.0, -60.0), 2.9),
+    ((-22.0, 2.5), (-600.0, 30.0), 3.1),
     ((25.0, 22.5), (52.0, 40.0), 2.6),
     ((52.0, 40.0), (60.0, 106.0), 2.4),
     ((60.0, 106.0), (66.0, 240.0), 2.2),
     ((66.0, 240.0), (30.0, 900.0), 2.6),
     ((-25.0, 22.5), (-44.0, 36.0), 2.4),
-    ((-44.0, 36.0), (-58.0, 96.0), 2.2),
+    ((-44.0, 36.0), (-62.0, 104.0), 2.2),
     ((-58.0, -60.0), (62.0, -52.0), 2.6),
     ((58.0, -52.0), (54.0, 40.0), 2.4),
 ];
@@ -43,12 +45,11 @@ pub(crate) fn albedo(x: f64, y: f64) -> V3 {
         c = c.mix(fields(x, y), far);
     }
     c = c.mix(rgb(0xA79A85), 0.75 * yard(x, y));
-    for &(a, b, half) in &STREETS {
-        let d = segment((x, y), a, b) - half;
-        if d > 30.0 {
-            continue;
-        }
-        let along = ((b.0 - a.0).abs() + 1e-9) / (b.0 - a.0).hypot(b.1 - a.1);
+    if y > 90.0 {
+        c = water(c, x, y);
+    }
+    let (d, along) = street(x, y);
+    if d < 30.0 {
         let width = reach(x, y, 1.0 - 0.8 * along, along);
         c = c.mix(rgb(0xB9AE9B), cover(d - 0.55, width));
         c = c.mix(cobbles(x, y), cover(d, width));
@@ -59,19 +60,28 @@ pub(crate) fn albedo(x: f64, y: f64) -> V3 {
     c = c.mix(rgb(0xB8A88C) * (1.0 + 0.03 * noise(x, y, 33)), cover(walk, 0.3));
     let d = rectangle(x, y, 27.4, 26.0);
     c = c.mix(square(x, y), cover(d, SOFT));
-    if y > 90.0 {
-        c = water(c, x, y);
-    }
     haze(c, x, y)
 }
 
+/// Signed distance to the nearest street's edge, and how much that street runs from west to east.
+fn street(x: f64, y: f64) -> (f64, f64) {
+    let mut nearest = (f64::INFINITY, 0.0);
+    for &(a, b, half) in &STREETS {
+        let d = segment((x, y), a, b) - half;
+        if d < nearest.0 {
+            nearest = (d, (b.0 - a.0).abs() / (b.0 - a.0).hypot(b.1 - a.1));
+        }
+    }
+    nearest
+}
+
 fn grass(x: f64, y: f64) -> V3 {
-    let m = clouds(x * 0.12, y * 0.12, 41) + 0.5 * noise(x * 0.9, y * 0.9, 44);
-    rgb(0x71863F).mix(rgb(0x93984F), ramp(-0.9, 1.1, m))
+    let m = clouds(x * 0.08, y * 0.08, 41) + 0.22 * noise(x * 0.5, y * 0.5, 44);
+    rgb(0x71863F).mix(rgb(0x93984F), ramp(-1.1, 1.3, m))
 }
 
 fn lawn(x: f64, y: f64) -> V3 {
-    grass(x, y).mix(rgb(0x6B8A3F), 0.5) * (1.0 + 0.03 * noise(x * 0.8, y * 0.8, 46))
+    grass(x, y).mix(rgb(0x6B8A3F), 0.5)
 }
 
 /// Beaten earth and gravel between the houses.
@@ -81,7 +91,7 @@ fn yard(x: f64, y: f64) -> f64 {
 }
 
 fn cobbles(x: f64, y: f64) -> V3 {
-    rgb(0x98907F) * (1.0 + 0.04 * clouds(x * 0.7, y * 0.7, 61))
+    rgb(0x98907F) * (1.0 + 0.025 * clouds(x * 0.4, y * 0.4, 61))
 }
 
 fn square(x: f64, y: f64) -> V3 {
@@ -110,18 +120,18 @@ fn square(x: f64, y: f64) -> V3 {
     let flags = comb(x, 1.5).min(comb(y, 1.5)) - 0.02;
     c = c * (1.0 - 0.035 * cover(flags, 0.16) * cover(-edge, SOFT));
     c = c.mix(rgb(0x857B6C), cover(edge.abs() - 0.16, SOFT));
-    c * (1.0 + 0.03 * clouds(x * 0.3, y * 0.3, 71))
+    c * (1.0 + 0.02 * clouds(x * 0.2, y * 0.2, 71))
 }
 
 fn fields(x: f64, y: f64) -> V3 {
-    const CROPS: [u32; 7] =
-        [0xC9B566, 0x8A9A48, 0xA9B25C, 0x6F8A44, 0xD3C27B, 0x9C8A5E, 0x7F9450];
+    const CROPS: [u32; 7] = [0xC9B566, 0x8A9A48, 0xA9B25C, 0x6F8A44, 0xD3C27B, 0x9C8A5E, 0x7F9450];
     let (sin, cos) = 0.16_f64.sin_cos();
     let turned = |x: f64, y: f64| (cos * x + sin * y, cos * y - sin * x);
     let (s, t) = turned(x, y);
     // Parcels: rows across the view grow deeper with distance.
-    let row = (t.max(1.0) / 60.0).log2() * 2.6;
-    let depth = t.max(1.0) / 2.6 * std::f64::consts::LN_2;
+    let level = t.hypot(90.0);
+    let row = (level / 60.0).log2() * 2.6;
+    let depth = level * level / t.abs().max(9.0) / 2.6 * std::f64::consts::LN_2;
     let crop = |i: f64, s: f64| {
         let breadth = 42.0 + 30.0 * hash(i as i64, 1, 81);
         let q = s / breadth + 5.0 * hash(i as i64, 2, 81);

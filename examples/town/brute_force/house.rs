@@ -184,7 +184,8 @@ impl House {
         };
         let z = (self.ridge - 2.5, self.ridge + 0.9);
         let name = format!("{} chimney", self.name);
-        b.block(&name, self.site, (x - 0.4, x + 0.4), (y - 0.4, y + 0.4), z, &brick, &soot);
+        let sides = [(x - 0.4, x + 0.4), (y - 0.4, y + 0.4), z];
+        b.block(&name, self.site, sides, (&brick, &soot));
     }
 
     /// Gabled dormers on the slope towards the street, or on both slopes of a gable house.

@@ -3,7 +3,7 @@
 use super::vector::{V3, v3};
 
 /// Width in metres of every drawn edge: about two pixels of the photographs.
-pub(crate) const SOFT: f64 = 0.13;
+pub(crate) const SOFT: f64 = 0.18;
 
 /// 0 below −½, 1 above ½, a cubic between.
 pub(crate) fn smooth(x: f64) -> f64 {
@@ -35,11 +35,7 @@ pub(crate) fn segment(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
 /// A door or window with a round head: `height` to the crown, centred on x = 0, standing on y = 0.
 pub(crate) fn arch(x: f64, y: f64, half_width: f64, height: f64) -> f64 {
     let spring = height - half_width;
-    if y > spring {
-        x.hypot(y - spring) - half_width
-    } else {
-        (x.abs() - half_width).max(-y)
-    }
+    if y > spring { x.hypot(y - spring) - half_width } else { (x.abs() - half_width).max(-y) }
 }
 
 /// Distance to the nearest line of a family `period` apart.
@@ -71,12 +67,9 @@ pub(crate) fn noise(x: f64, y: f64, seed: u32) -> f64 {
     2.0 * (top * (1.0 - v) + low * v) - 1.0
 }
 
-/// Three octaves of [`noise`], in −1…1.
+/// Two octaves of [`noise`], in −1…1.
 pub(crate) fn clouds(x: f64, y: f64, seed: u32) -> f64 {
-    (noise(x, y, seed)
-        + 0.5 * noise(2.03 * x + 7.1, 2.03 * y, seed + 1)
-        + 0.25 * noise(4.1 * x, 4.1 * y + 3.7, seed + 2))
-        / 1.75
+    (noise(x, y, seed) + 0.5 * noise(2.03 * x + 7.1, 2.03 * y, seed + 1)) / 1.5
 }
 
 pub(crate) fn rgb(hex: u32) -> V3 {

@@ -8,8 +8,8 @@ use super::paint::Paint;
 use super::polygon::{Frame, Polygon, Ray, Tree};
 use super::vector::{V3, v3};
 
-const SUNLIGHT: V3 = v3(1.26, 1.06, 0.78);
-const SKYLIGHT: V3 = v3(0.40, 0.44, 0.52);
+const SUNLIGHT: V3 = v3(1.20, 1.01, 0.745);
+const SKYLIGHT: V3 = v3(0.455, 0.485, 0.55);
 const BOUNCE: V3 = v3(0.17, 0.14, 0.10);
 /// Sine of the sun's radius: four times the real one, so that no shadow is sharper than a pixel.
 const SUN_RADIUS: f64 = 0.018;
@@ -48,8 +48,7 @@ impl Grid {
             let g = (x - low) / self.texel - 0.5;
             let i = g.round().clamp(1.0, n as f64 - 2.0);
             let f = (g - i).clamp(-0.5, 0.5);
-            let weights =
-                [0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)];
+            let weights = [0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)];
             (i as usize - 1, weights)
         };
         let (i, across) = axis(s, self.low.0, self.size.0);

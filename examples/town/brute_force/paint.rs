@@ -88,9 +88,9 @@ fn tiles(color: V3, course: f64, ridge: f64, seed: u32, s: f64, t: f64) -> V3 {
     let row = (t / course).floor();
     let within = t / course - row;
     // A course darkens towards its lower edge, over a third of its height.
-    let lap = 1.0 - 0.085 * (ramp(0.38, 0.0, within) + ramp(0.8, 1.0, within));
+    let lap = 1.0 - 0.072 * (ramp(0.38, 0.0, within) + ramp(0.8, 1.0, within));
     let patch = noise(s * 0.9, row * 0.77, seed + 5);
-    let aged = color * (lap * (1.0 + 0.06 * weather + 0.035 * patch));
+    let aged = color * (lap * (1.0 + 0.05 * weather + 0.02 * patch));
     let moss = ramp(0.25, 0.75, clouds(s * 0.22 + 9.0, t * 0.3, seed + 11)) * ramp(4.0, 0.0, t);
     let mossy = aged.mix(v3(0.44, 0.44, 0.33), 0.3 * moss);
     mossy.mix(color * 0.8, 0.8 * ink((t - ridge).abs() - 0.16))

@@ -153,9 +153,7 @@ impl Tree {
             return here;
         }
         let axis = (0..3)
-            .max_by(|&i, &j| {
-                (high - low).array()[i].total_cmp(&(high - low).array()[j])
-            })
+            .max_by(|&i, &j| (high - low).array()[i].total_cmp(&(high - low).array()[j]))
             .unwrap_or(0);
         members.sort_by(|&i, &j| {
             let middle = |k: usize| (boxes[k].0 + boxes[k].1).array()[axis];

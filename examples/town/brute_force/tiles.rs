@@ -21,14 +21,17 @@ fn lines(near: (f64, f64), step: f64, far: &[f64]) -> Vec<f64> {
 
 pub(crate) fn ground(b: &mut Builder) {
     let (side, north) = (backdrop::SIDE, backdrop::NORTH);
-    let xs = lines(
-        (-72.0, 72.0),
-        8.0,
-        &[-side, -600.0, -300.0, -180.0, -120.0, -90.0, 90.0, 120.0, 180.0, 300.0, 600.0, side],
-    );
-    let ys = lines((-72.0, 104.0), 8.0, &[-300.0, -160.0, -100.0, 130.0, 170.0, 230.0, 320.0, 480.0, 680.0, north]);
-    let frame =
-        Frame { origin: v3(0.0, 0.0, 0.0), u: v3(1.0, 0.0, 0.0), v: v3(0.0, 1.0, 0.0), n: v3(0.0, 0.0, 1.0) };
+    let east = [32.0, 40.0, 48.0, 66.0, 90.0, 130.0, 220.0, 480.0, side];
+    let xs = lines((-24.0, 24.0), 4.0, &east.map(|x| [-x, x]).concat());
+    let south = [-300.0, -120.0, -48.0, -40.0, -32.0];
+    let beyond = [32.0, 40.0, 48.0, 62.0, 84.0, 94.0, 105.0, 130.0, 175.0, 260.0, 420.0, north];
+    let ys = lines((-24.0, 24.0), 4.0, &[&south[..], &beyond[..]].concat());
+    let frame = Frame {
+        origin: v3(0.0, 0.0, 0.0),
+        u: v3(1.0, 0.0, 0.0),
+        v: v3(0.0, 1.0, 0.0),
+        n: v3(0.0, 0.0, 1.0),
+    };
     let light = b.lights.len();
     b.lights.push(LightMap::new(frame, LIT.0, LIT.1, TEXEL));
     let mut tile = |name: String, corners: &[(f64, f64)]| {
@@ -47,12 +50,9 @@ pub(crate) fn ground(b: &mut Builder) {
             }
         }
     }
-    for (name, i, j) in [
-        ("south-west", 0, 0),
-        ("south-east", nx, 0),
-        ("north-east", nx, ny),
-        ("north-west", 0, ny),
-    ] {
+    for (name, i, j) in
+        [("south-west", 0, 0), ("south-east", nx, 0), ("north-east", nx, ny), ("north-west", 0, ny)]
+    {
         // Positions one and two lines inwards from the corner.
         let x = |k: usize| if i == 0 { xs[k] } else { xs[nx - k] };
         let y = |k: usize| if j == 0 { ys[k] } else { ys[ny - k] };

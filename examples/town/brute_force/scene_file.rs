@@ -1,39 +1,10 @@
-//! The files: PNG pictures and the scene as JSON.
+//! The scene as JSON, in map coordinates.
 
-use std::error::Error;
 use std::fmt::Write;
-use std::path::Path;
 
-use crate::brute_force::camera::Camera;
-use crate::brute_force::caster::{BACKGROUND, Town};
-use crate::brute_force::scene::MAP;
-
-/// Writes 8-bit RGB with whichever row filter packs best; the file's size in bytes.
-pub(crate) fn write_png(
-    path: &Path,
-    camera: &Camera,
-    pixels: &[[f64; 3]],
-) -> Result<usize, Box<dyn Error>> {
-    let bytes: Vec<u8> = pixels.iter().flatten().map(|v| (v + 0.5) as u8).collect();
-    let mut smallest: Option<Vec<u8>> = None;
-    for filter in [png::Filter::Adaptive, png::Filter::MinEntropy, png::Filter::Paeth, png::Filter::Sub, png::Filter::Up] {
-        let mut file = Vec::new();
-        let mut encoder = png::Encoder::new(&mut file, camera.width as u32, camera.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
-        encoder.set_filter(filter);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&bytes)?;
-        writer.finish()?;
-        if smallest.as_ref().is_none_or(|s| file.len() < s.len()) {
-            smallest = Some(file);
-        }
-    }
-    let file = smallest.unwrap_or_default();
-    std::fs::write(path, &file)?;
-    Ok(file.len())
-}
+use super::camera::Camera;
+use super::caster::{BACKGROUND, Town};
+use super::scene::MAP;
 
 fn camera_json(camera: &Camera) -> String {
     let (f, c) = (camera.principal_distance, camera.principal_point);
