@@ -4,6 +4,7 @@ mod camera;
 mod contracts;
 mod geodetic;
 mod homography;
+mod orthophoto;
 mod plane_map;
 mod polynomial;
 mod projection;
