@@ -15,6 +15,7 @@ mod contracts;
 mod geodetic;
 mod homography;
 mod layers;
+mod orthophoto;
 mod plane_map;
 mod polynomial;
 mod projection;
