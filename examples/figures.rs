@@ -421,7 +421,8 @@ fn texture() -> Vec<u8> {
             return [40, 100, 210];
         }
         let cell = SIDE / 8;
-        let line = |v: usize| v % cell < 4 || v % cell >= cell - 4 || v < 10 || v >= SIDE - 10;
+        let rim = 10..SIDE - 10;
+        let line = |v: usize| !(4..cell - 4).contains(&(v % cell)) || !rim.contains(&v);
         if line(x) || line(y) {
             return [60, 60, 60];
         }
@@ -434,6 +435,9 @@ fn texture() -> Vec<u8> {
     };
     (0..SIDE * SIDE).flat_map(|i| color(i % SIDE, i / SIDE)).collect()
 }
+
+/// A polygon on the screen and where it looks in its texture.
+type Piece<'a> = (&'a ScreenPolygon, &'a dyn Map);
 
 /// [WD] figure 2: linearly over two triangles, bilinearly, in perspective.
 fn ways_to_fill_a_quadrilateral(folder: &Path) -> Result<(), Failure> {
@@ -463,9 +467,9 @@ fn ways_to_fill_a_quadrilateral(folder: &Path) -> Result<(), Failure> {
     let whole = ScreenPolygon::project(&square, &flat.homogeneous(), 0.1)?;
     let triangles = linear_triangles(&polygon, &exact)?;
     let bilinear = bilinear_quad(&polygon, &exact)?;
-    let linear: Vec<(&ScreenPolygon, &dyn Map)> =
+    let linear: Vec<Piece> =
         triangles.iter().map(|(piece, map)| (piece, map as &dyn Map)).collect();
-    let panels: [(&str, &[(&ScreenPolygon, &dyn Map)]); 4] = [
+    let panels: [(&str, &[Piece]); 4] = [
         ("original.png", &[(&whole, &small)]),
         ("linear.png", &linear),
         ("bilinear.png", &[(&polygon, &bilinear)]),

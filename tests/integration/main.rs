@@ -24,3 +24,4 @@ mod span;
 mod support;
 mod texture_matrices;
 mod texturer;
+mod town;
