@@ -22,9 +22,7 @@
 //! use collinear::nalgebra::{Point2, Point3, Vector3};
 //! use collinear::resample::{Border, Filter};
 //! use collinear::texturer::{Canvas, Paint, ScreenPolygon};
-//! use collinear::{
-//!     Brown, BrownCamera, Error, ExteriorOrientation, Frame, ImageView, ImageViewMut, InteriorOrientation, Plane,
-//! };
+//! use collinear::{Brown, BrownCamera, Error, ExteriorOrientation, Frame, ImageView, ImageViewMut, InteriorOrientation, Plane};
 //!
 //! // c = 100 px, from 100 m: a pixel shows a metre. The grey value of this picture is its column.
 //! let bytes: Vec<u8> = (0..200 * 200).map(|i| (i % 200) as u8).collect();
@@ -34,7 +32,6 @@
 //! let photograph = Frame::new(above, BrownCamera::new(interior, Brown::none()));
 //! let south = ExteriorOrientation::look_at(Point3::new(0.0, -60.0, 30.0), Point3::origin(), Vector3::z())?;
 //! let screen = Frame::new(south, interior).homogeneous();
-//!
 //! let field = [(-40., -40.), (40., -40.), (40., 40.), (-40., 40.)].map(|(x, y)| Point3::new(x, y, 0.));
 //! let plane = Plane::fit(&field)?.plane;
 //! let map = PhotographMap::from_plane(&plane, &photograph, &screen)?;

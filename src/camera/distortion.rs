@@ -282,6 +282,21 @@ impl Brown {
 /// ```
 ///
 /// Parameters: group 0 is (fx, fy, x₀, y₀, s) in pixels, group 1 (k₁, k₂, k₃, p₁, p₂).
+///
+/// # Example
+/// OpenCV 5.0.0, `projectPoints` with fx = fy = 1000, cx = 319.5, cy = 239.5, whose pixel centres are integers:
+///
+/// ```
+/// use collinear::camera::{Brown, BrownCamera, CentralModel, InteriorOrientation};
+/// use nalgebra::{Point2, Vector2, Vector3};
+///
+/// let interior = InteriorOrientation::from_opencv(1000.0, 1000.0, 319.5, 239.5)?;
+/// let camera = BrownCamera::new(interior, Brown::new([-0.28, 0.07, 0.002], [1e-3, -5e-4])?);
+/// let p = camera.project_direction(&Vector3::new(0.31, -0.22, 1.0))?;
+/// let opencv = Point2::new(617.1076220865975, 28.38781658370502);
+/// assert!((p - Vector2::new(0.5, 0.5) - opencv).norm() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("OPENCV", "FULL_OPENCV", "RADIAL", "SIMPLE_RADIAL"))]
 pub struct BrownCamera {

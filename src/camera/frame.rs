@@ -21,6 +21,27 @@ use crate::geometry::{Locus, Ray};
 /// # Parameters
 /// Group 0 is the exterior orientation, six numbers: the projection centre in world units, then a left rotation vector
 /// δ in radians, camera_from_world ← exp(\[δ\]×) R. The groups of the central model follow.
+///
+/// # Example
+/// The photograph of Wuhan University's single-photo resection: f = 153.24 mm, the orientation published for it, and the
+/// first control point, measured at (−86.15, −68.99) mm. The expected numbers are the textbook's collinearity equations
+/// in Python's floats.
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Frame, InteriorOrientation, SensorModel};
+/// use collinear::geometry::Affine2;
+/// use collinear::geometry::rotation::{PhiOmegaKappa, camera_from_photo};
+/// use nalgebra::{Point2, Point3};
+///
+/// let angles = PhiOmegaKappa { phi: -0.0039869, omega: 0.0021139, kappa: -0.0675780 };
+/// let center = Point3::new(39795.45, 27476.46, 7572.69);
+/// let exterior = ExteriorOrientation::new(center, camera_from_photo() * angles.photo_from_world());
+/// // With the identity for the scanner's map, image coordinates are photo millimetres, y up.
+/// let interior = InteriorOrientation::from_photogrammetric(153.24, Point2::origin(), &Affine2::identity())?;
+/// let p = Frame::new(exterior, interior).project(&Point3::new(36589.41, 25273.32, 2195.17))?;
+/// assert!((p - Point2::new(-86.15117812, -68.98653065)).norm() < 1e-7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("PerspectiveCamera", "photograph"))]
 pub struct Frame<C> {

@@ -16,6 +16,27 @@ use crate::geometry::Affine2;
 /// coordinates of 10⁶ lose nothing. For a perspective camera c = (0, 0, 0, 1) and w is the depth; for a parallel one
 /// c is the viewing direction and w = 1. What a plane and two cameras share
 /// ([`FractionalLinear::from_plane`](crate::mapping::FractionalLinear::from_plane)) is derived from this form alone.
+///
+/// It comes from [`Frame::homogeneous`](super::Frame::homogeneous) and
+/// [`Orthographic::homogeneous`](super::Orthographic::homogeneous).
+///
+/// # Example
+/// A level camera 10 m above a floor, c = 1000 px, its horizon in line 400. By similar triangles line L shows the floor at
+/// the depth 1000 · 10 / (L − 400), so 1/Z is linear in L:
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Frame, InteriorOrientation};
+/// use collinear::geometry::Plane;
+/// use nalgebra::{Point2, Point3, Vector3};
+///
+/// let level = ExteriorOrientation::look_at(Point3::new(0.0, 0.0, 10.0), Point3::new(0.0, 1.0, 10.0), Vector3::z())?;
+/// let interior = InteriorOrientation::new([1000.0; 2], Point2::new(500.0, 400.0), 0.0)?;
+/// let camera = Frame::new(level, interior).homogeneous();
+/// let floor = Plane::from_point_and_normal(Point3::origin(), Vector3::z())?;
+/// let [n0, n1, n2] = camera.nearness(&floor)?;
+/// assert!((n0 + 0.04).abs() < 1e-15 && n1.abs() < 1e-15 && (n2 - 1e-4).abs() < 1e-18);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("projection matrix", "P matrix", "camera matrix"))]
 pub struct HomogeneousCamera {

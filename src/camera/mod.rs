@@ -37,7 +37,8 @@ use crate::geometry::{Locus, Surface};
 /// No pose, and no "behind" of its own: a fisheye sees more than a half-space. Where the model has a limit it says so
 /// ([`ProjectionError::BehindCamera`], [`ProjectionError::OutsideDomain`]).
 ///
-/// `project(unproject(p)) = p` and `unproject(project(d)) ∥ d` within the domain.
+/// [`project_direction`](Self::project_direction) after [`direction`](Self::direction) is the identity, and the other
+/// way around up to the direction's length, within the domain.
 pub trait CentralModel: Debug + Send + Sync {
     /// The image (pixels) of a direction in camera axes, of any positive length.
     ///
@@ -64,7 +65,25 @@ pub trait CentralModel: Debug + Send + Sync {
 
 /// A sensor in the world: world ⇄ image, with any number of projection centres or none.
 ///
-/// `project(ground(p, surface)) = p` on every surface within the domain.
+/// [`project`](Self::project) after [`ground`](Self::ground) is the identity on every surface within the domain.
+///
+/// # Example
+/// Monoplotting. From 100 m, with c = 1000 px, a pixel 100 px right of the principal point shows a terrace 20 m high
+/// 80 · 0.1 = 8 m to the east:
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Frame, InteriorOrientation, SensorModel};
+/// use collinear::geometry::Plane;
+/// use nalgebra::{Point2, Point3, Vector3};
+///
+/// let above = ExteriorOrientation::look_at(Point3::new(0.0, 0.0, 100.0), Point3::origin(), Vector3::y())?;
+/// let interior = InteriorOrientation::new([1000.0; 2], Point2::new(500.0, 400.0), 0.0)?;
+/// let sensor: Box<dyn SensorModel> = Box::new(Frame::new(above, interior));
+/// let terrace = Plane::from_point_and_normal(Point3::new(0.0, 0.0, 20.0), Vector3::z())?;
+/// let hit = sensor.ground(&Point2::new(600.0, 400.0), &terrace)?;
+/// assert!((hit - Point3::new(8.0, 0.0, 20.0)).norm() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait SensorModel: Debug + Send + Sync {
     /// The image (pixels) of a world point.
     ///
@@ -116,6 +135,21 @@ pub struct ParameterGroup {
 ///
 /// Parameters come in groups, so that a whole group can be shared between photographs or held. The object point is a
 /// direction in camera axes for a [`CentralModel`] and a world point for a [`SensorModel`].
+///
+/// # Example
+/// x = fx X/Z + x₀ at (1, 2, 8) with fx = 1000, differentiated by hand:
+///
+/// ```
+/// use collinear::camera::{Adjustable, InteriorOrientation};
+/// use nalgebra::{Point2, Point3};
+///
+/// let interior = InteriorOrientation::new([1000.0; 2], Point2::new(500.0, 400.0), 0.0)?;
+/// let (mut by_object, mut by_interior) = ([0.0; 6], [0.0; 10]);
+/// interior.partials(&Point3::new(1.0, 2.0, 8.0), &mut by_object, &mut [&mut by_interior])?;
+/// assert_eq!(by_object[..3], [125.0, 0.0, -15.625]); // fx/Z, 0, −fx X/Z²
+/// assert_eq!(by_interior[..5], [0.125, 0.0, 1.0, 0.0, 0.25]); // by fx, fy, x₀, y₀, s
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Adjustable {
     /// The `group`-th group, in a fixed order; `None` past the last.
     fn parameter_group(&self, group: usize) -> Option<ParameterGroup>;

@@ -14,6 +14,23 @@ use crate::geometry::{Affine2, Locus, Ray, Surface};
 ///
 /// A is in pixels per world unit. Maps and orthophotos are such pictures, and a texture laid on orthogonally. There is
 /// no eye: a point at any depth Z′ has an image. A ray starts on the plane Z′ = 0, so O is best placed above the scene.
+///
+/// # Example
+/// An orthophoto with its upper left corner at (500 000, 5 000 100) and half a metre a pixel. A point 10 m east and 5 m
+/// south of the corner is at (20, 10), whatever its height:
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Orthographic, SensorModel};
+/// use collinear::geometry::Affine2;
+/// use nalgebra::{Point2, Point3, Vector3};
+///
+/// let corner = Point3::new(500_000.0, 5_000_100.0, 1000.0);
+/// let down = ExteriorOrientation::look_at(corner, corner - Vector3::z(), Vector3::y())?;
+/// let map = Orthographic::new(down, Affine2::from_coefficients([0.0, 2.0, 0.0], [0.0, 0.0, 2.0]))?;
+/// let p = map.project(&Point3::new(500_010.0, 5_000_095.0, 123.0))?;
+/// assert!((p - Point2::new(20.0, 10.0)).norm() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("parallel projection", "affine camera"))]
 pub struct Orthographic {

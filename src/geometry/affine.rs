@@ -15,7 +15,27 @@ use crate::numeric::triangular::Triangular;
 /// y = B₀ + B₁ X + B₂ Y
 /// ```
 ///
-/// It takes comparator or pixel coordinates to fiducial coordinates, and a triangle to a triangle.
+/// It takes comparator or pixel coordinates to fiducial coordinates, and a triangle to a triangle. As a
+/// [`Map`](crate::mapping::Map) it is defined everywhere.
+///
+/// # Example
+/// Four fiducial marks in pixels and millimetres, with the coefficients that NooBeeD's interior orientation report prints
+/// for them (noobeed.com, `nb_ex_ph_or_io_95`):
+///
+/// ```
+/// use collinear::geometry::Affine2;
+/// use nalgebra::Point2;
+///
+/// let pixel = [(227.5, 2038.5), (2062.5, 205.5), (2061.5, 3873.5), (3895.5, 2041.5)];
+/// let mm = [(-110.022, -0.255), (0.256, -110.021), (-0.254, 110.024), (110.015, 0.258)];
+/// let points = |c: [(f64, f64); 4]| c.map(|(x, y)| Point2::new(x, y));
+/// let fit = Affine2::fit(&points(pixel), &points(mm))?;
+/// assert!((fit.map.linear.m11 - 0.059988375432533).abs() < 1e-14);
+/// assert!((fit.map.linear.m12 + 0.000122683929039).abs() < 1e-14);
+/// assert!((fit.map.linear.m22 - 0.059990480540713).abs() < 1e-14);
+/// assert!((fit.map.translation.x + 123.432).abs() < 5e-4);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine2 {
     /// A: ((A₁, A₂), (B₁, B₂)).

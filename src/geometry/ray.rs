@@ -7,6 +7,16 @@ use crate::error::Error;
 /// A half-line in the world: origin + t · direction, t ≥ 0.
 ///
 /// The direction has unit length, so t is a distance in world units.
+///
+/// ```
+/// use collinear::geometry::Ray;
+/// use nalgebra::{Point3, Vector3};
+///
+/// // Three and four make five.
+/// let ray = Ray::new(Point3::new(1.0, 1.0, 1.0), Vector3::new(30.0, 40.0, 0.0))?;
+/// assert!((ray.at(5.0) - Point3::new(4.0, 5.0, 1.0)).norm() < 1e-15);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where the ray starts: for a camera its projection centre.

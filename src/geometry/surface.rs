@@ -8,6 +8,26 @@ use crate::error::ProjectionError;
 /// A surface of the world: a plane, an ellipsoid, a height field.
 ///
 /// The trait is object-safe, so that a sensor can be asked for the ground point on any surface.
+///
+/// # Example
+/// The locus of a sensor without a projection centre, (10 + 2 (h − 100), 0, h), on the level plane z = 104:
+///
+/// ```
+/// use collinear::geometry::{HeightCurve, Locus, Plane, Surface};
+/// use nalgebra::{Point3, Vector3};
+///
+/// let curve = HeightCurve {
+///     coefficients: [Vector3::new(10.0, 0.0, 100.0), Vector3::new(2.0, 0.0, 1.0), Vector3::zeros(), Vector3::zeros()],
+///     reference_height: 100.0,
+///     heights: [90.0, 120.0],
+///     error_bound: 0.0,
+/// };
+/// let terrace = Plane::from_point_and_normal(Point3::new(0.0, 0.0, 104.0), Vector3::z())?;
+/// let surface: &dyn Surface = &terrace;
+/// let hit = surface.meet(&Locus::Curve(curve))?;
+/// assert!((hit - Point3::new(18.0, 0.0, 104.0)).norm() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Surface: core::fmt::Debug + Send + Sync {
     /// A function that is zero on the surface, positive above it and negative below, in world units near the surface;
     /// NaN where the surface is not defined.

@@ -28,6 +28,45 @@ pub use row::{RowCoords, Run};
 use crate::error::ProjectionError;
 
 /// A map from the screen into a texture, both in pixels.
+///
+/// *Frames.* Screen points (S, L) and texture points (u, v) are continuous, from the top-left corner of the top-left
+/// pixel. The pixel in column x of row `line` is asked at its centre (x + ½, line + ½).
+///
+/// *Domain.* A map knows where it ends: there [`at`](Self::at) is an error and [`row`](Self::row) leaves the pixel out.
+///
+/// # Example
+/// A map of one's own, and what a renderer reads of it. Pixel 4 of row 3 is asked at (4.5, 3.5):
+///
+/// ```
+/// use collinear::ProjectionError;
+/// use collinear::mapping::{Map, RowCoords};
+/// use nalgebra::{Matrix2, Point2};
+///
+/// /// Everything twice as large, left of S = 10.
+/// #[derive(Debug)]
+/// struct Enlarged;
+///
+/// impl Map for Enlarged {
+///     fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+///         if screen.x < 10.0 {
+///             Ok(screen / 2.0)
+///         } else {
+///             Err(ProjectionError::OutsideDomain { value: screen.x, limit: 10.0 })
+///         }
+///     }
+///     fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+///         self.at(screen).map(|_| Matrix2::identity() / 2.0)
+///     }
+/// }
+///
+/// let mut row = RowCoords::new();
+/// Enlarged.row(3, 4..100, &mut row);
+/// let run = row.runs()[0];
+/// assert_eq!(run.pixels(), 4..10);
+/// let (u, v) = row.offsets(&run);
+/// assert_eq!([run.origin[0] as f32 + u[0], run.origin[1] as f32 + v[0]], [2.25, 1.75]);
+/// ```
+#[doc(alias("remap", "warp"))]
 pub trait Map: Debug + Send + Sync {
     /// The texture point that a screen point shows.
     ///

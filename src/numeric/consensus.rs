@@ -123,6 +123,38 @@ fn score<E: Estimator>(estimator: &E, model: E::Model, threshold: f64) -> Scored
 /// [`Error::TooFewPoints`] where there are fewer observations than a sample needs, [`Error::OutOfRange`] for a
 /// threshold that is not a positive number, and [`Error::NoConsensus`] where no model gathers
 /// `SAMPLE + min_support` observations.
+///
+/// # Example
+/// The level that most readings agree on, from samples of one:
+///
+/// ```
+/// use collinear::numeric::consensus::{ConsensusOptions, Estimator, search};
+///
+/// struct Readings(Vec<f64>);
+///
+/// impl Estimator for Readings {
+///     type Model = f64;
+///     const SAMPLE: usize = 1;
+///     fn len(&self) -> usize {
+///         self.0.len()
+///     }
+///     fn minimal(&self, sample: &[usize], models: &mut Vec<f64>) {
+///         models.push(self.0[sample[0]]);
+///     }
+///     fn squared_residual(&self, level: &f64, index: usize) -> f64 {
+///         (self.0[index] - level).powi(2)
+///     }
+///     fn refine(&self, _: &f64, inliers: &[bool]) -> Option<f64> {
+///         let agreeing: Vec<f64> = self.0.iter().zip(inliers).filter(|(_, i)| **i).map(|(r, _)| *r).collect();
+///         Some(agreeing.iter().sum::<f64>() / agreeing.len() as f64)
+///     }
+/// }
+///
+/// let readings = Readings(vec![9.0, 10.0, 11.0, 10.0, 10.0, 50.0, 70.0, -30.0]);
+/// let found = search(&readings, &ConsensusOptions { threshold: 2.0, ..Default::default() })?;
+/// assert_eq!((found.model, found.inlier_count), (10.0, 5));
+/// # Ok::<(), collinear::Error>(())
+/// ```
 pub fn search<E: Estimator>(
     estimator: &E,
     options: &ConsensusOptions,

@@ -89,6 +89,41 @@ pub struct Convergence {
 }
 
 /// Minimises from `start`. The state returned is the best one met, converged or not.
+///
+/// # Example
+/// Rosenbrock's valley (1960), the residuals 10 (y − x²) and 1 − x, from (−1.2, 1); its minimum is at (1, 1).
+///
+/// ```
+/// use collinear::numeric::least_squares::{Damped, LeastSquaresOptions, NormalEquations, Problem, minimise};
+/// use nalgebra::Vector2;
+///
+/// struct Valley;
+///
+/// impl Problem for Valley {
+///     type State = Vector2<f64>;
+///     type Linear = NormalEquations<2>;
+///     type Step = Vector2<f64>;
+///     fn cost(&self, p: &Vector2<f64>) -> f64 {
+///         50.0 * (p.y - p.x * p.x).powi(2) + 0.5 * (1.0 - p.x).powi(2)
+///     }
+///     fn linearise(&self, p: &Vector2<f64>, linear: &mut NormalEquations<2>) -> f64 {
+///         linear.clear();
+///         linear.add(&Vector2::new(-20.0 * p.x, 10.0), 10.0 * (p.y - p.x * p.x), 1.0);
+///         linear.add(&Vector2::new(-1.0, 0.0), 1.0 - p.x, 1.0);
+///         linear.scaled_gradient()
+///     }
+///     fn solve(&self, p: &Vector2<f64>, linear: &NormalEquations<2>, damping: f64) -> Option<Damped<Vector2<f64>>> {
+///         linear.solve(damping, p)
+///     }
+///     fn apply(&self, p: &Vector2<f64>, step: &Vector2<f64>) -> Vector2<f64> {
+///         p + step
+///     }
+/// }
+///
+/// let start = Vector2::new(-1.2, 1.0);
+/// let (found, report) = minimise(&Valley, start, &mut NormalEquations::default(), &LeastSquaresOptions::default());
+/// assert!(report.converged && (found - Vector2::new(1.0, 1.0)).norm() < 1e-12);
+/// ```
 pub fn minimise<P: Problem>(
     problem: &P,
     start: P::State,

@@ -1,6 +1,21 @@
 //! What lies beyond a picture's edge.
 
 /// What a filter reads where there is no texel.
+///
+/// ```
+/// use collinear::resample::{Border, Filter, ImageView, sample};
+/// use nalgebra::Point2;
+///
+/// // The second texel left of the row 10, 20, 30, 40.
+/// let row = ImageView::<u8, 1>::new(&[10, 20, 30, 40], 4, 1)?;
+/// let at = |border| sample(row, &Point2::new(-1.5, 0.5), Filter::Nearest, border);
+/// assert_eq!(at(Border::Transparent), None);
+/// assert_eq!(at(Border::Constant([7.0; 4])), Some([7]));
+/// assert_eq!(at(Border::Clamp), Some([10]));
+/// assert_eq!(at(Border::Repeat), Some([30]));
+/// assert_eq!(at(Border::Mirror), Some([20]));
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Border {

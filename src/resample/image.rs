@@ -62,6 +62,17 @@ pub struct ImageView<'a, T, const C: usize> {
 }
 
 /// A picture to write: as [`ImageView`].
+///
+/// ```
+/// use collinear::resample::ImageViewMut;
+///
+/// // The lower right quarter of a picture of 4 × 2 grey pixels.
+/// let mut bytes = [0u8; 8];
+/// let mut quarter = ImageViewMut::<u8, 1>::with_stride(&mut bytes[4 + 2..], 2, 1, 4)?;
+/// quarter.row_mut(0).fill(9);
+/// assert_eq!(bytes, [0, 0, 0, 0, 0, 0, 9, 9]);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ImageViewMut<'a, T, const C: usize> {
     data: &'a mut [T],

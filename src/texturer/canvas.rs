@@ -34,6 +34,31 @@ pub enum Paint<'a, T, const C: usize> {
 /// ([`HomogeneousCamera::nearness`](crate::camera::HomogeneousCamera::nearness)): the inverse depth for a perspective
 /// screen (\[WD\] after Fuchs et al. 1985). It is kept as `f32`; a pixel is painted if it is strictly nearer than what is
 /// there, so of two equal ones the first stays.
+///
+/// # Example
+/// A square of four pixels at depth 5 hides one at depth 9, in whichever order they are drawn:
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Orthographic};
+/// use collinear::geometry::{Affine2, Plane};
+/// use collinear::resample::ImageViewMut;
+/// use collinear::texturer::{Canvas, Paint, ScreenPolygon};
+/// use nalgebra::{Point3, Rotation3};
+///
+/// let flat = ExteriorOrientation::new(Point3::origin(), Rotation3::identity());
+/// let screen = Orthographic::new(flat, Affine2::identity())?.homogeneous();
+/// let mut pixels = [0u8; 16];
+/// let mut canvas = Canvas::new(ImageViewMut::<u8, 1>::new(&mut pixels, 4, 4)?);
+/// for depth in [5.0, 9.0] {
+///     let square = [(1.0, 1.0), (3.0, 1.0), (3.0, 3.0), (1.0, 3.0)].map(|(x, y)| Point3::new(x, y, depth));
+///     let polygon = ScreenPolygon::project(&square, &screen, 0.1)?;
+///     let nearness = screen.nearness(&Plane::fit(&square)?.plane)?;
+///     canvas.draw(&polygon, nearness, &Paint::Flat([depth as u8]))?;
+/// }
+/// assert_eq!(canvas.nearness(1, 1), Some(-5.0)); // −Z′ for a parallel screen
+/// assert_eq!(pixels, [0, 0, 0, 0, 0, 5, 5, 0, 0, 5, 5, 0, 0, 0, 0, 0]);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Debug)]
 #[doc(alias("framebuffer", "z-buffer", "depth buffer"))]
 pub struct Canvas<'a, T, const C: usize> {

@@ -26,6 +26,26 @@ const TOLERANCE: f64 = 0.1;
 /// [`Error::LengthMismatch`], [`Error::TooFewPoints`], [`Error::Degenerate`] for vertices on one line or a plane through
 /// the eye, [`Error::OutOfRange`] for a w that is not positive, and [`Error::Inconsistent`] where no projective map of the
 /// plane gives the coordinates to within a tenth of a texel.
+///
+/// # Example
+/// A floor one below the eye, from depth 1 (v = 0) to depth 3 (v = 32), c = 100 px. Line 50 shows it at depth 100/50 = 2,
+/// half way: v = 16.
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Frame, InteriorOrientation};
+/// use nalgebra::{Point2, Point3, Rotation3, Vector3};
+///
+/// let eye = ExteriorOrientation::new(Point3::origin(), Rotation3::identity());
+/// let interior = InteriorOrientation::new([100.0; 2], Point2::origin(), 0.0)?;
+/// let screen = Frame::new(eye, interior).homogeneous();
+/// let floor = [(-1.0, 1.0), (1.0, 1.0), (1.0, 3.0), (-1.0, 3.0)].map(|(x, z)| Point3::new(x, 1.0, z));
+/// let corners = [(0.0, 0.0), (64.0, 0.0), (64.0, 32.0), (0.0, 32.0)];
+/// let coordinates = corners.map(|(u, v)| Vector3::new(u, v, 1.0));
+/// let map = collinear::texturer::from_vertices(&floor, &coordinates, &screen)?;
+/// let texture = collinear::mapping::Map::at(&map, &Point2::new(0.0, 50.0))?;
+/// assert!((texture - Point2::new(32.0, 16.0)).norm() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn from_vertices(
     world: &[Point3<f64>],
     coordinates: &[Vector3<f64>],

@@ -27,6 +27,28 @@ pub enum Facing {
 /// The polygon has three or more vertices, convex or concave, in one plane. What lies nearer than the near plane, and what
 /// lies outside ±2²⁰ pixels, is cut off in homogeneous coordinates before the division, so no vertex behind the eye is ever
 /// divided. Two polygons that share an edge are cut at the same points of it.
+///
+/// *Accuracy.* Coverage is exact for the vertices rounded to 1/256 pixel: no floating-point number decides which pixels
+/// are covered.
+///
+/// # Example
+/// The triangle (0, 0), (4, 0), (0, 4) contains the six centres with x + y < 4. Those on its long side, a right edge, are
+/// its neighbour's:
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Orthographic};
+/// use collinear::geometry::Affine2;
+/// use collinear::texturer::ScreenPolygon;
+/// use nalgebra::{Point3, Rotation3};
+///
+/// let flat = ExteriorOrientation::new(Point3::origin(), Rotation3::identity());
+/// let screen = Orthographic::new(flat, Affine2::identity())?.homogeneous();
+/// let triangle = [(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)].map(|(x, y)| Point3::new(x, y, 1.0));
+/// let mut rows = Vec::new();
+/// ScreenPolygon::project(&triangle, &screen, 0.1)?.spans(100, 100, |span| rows.push((span.y, span.x)));
+/// assert_eq!(rows, [(0, 0..3), (1, 0..2), (2, 0..1)]);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScreenPolygon {
     vertices: Vec<Point2<f64>>,

@@ -58,8 +58,16 @@ fn missing(source: &Path, item: &str) -> Option<String> {
     }
     let text = text_below(&place);
     let keywords = ["fn", "struct", "enum", "trait", "type", "const", "static", "impl"];
+    // A type's functions may stand in a module to its right, where what they need is known.
+    let elsewhere = |name| declares(&text_below(source), &["fn"], name);
     rest.iter()
-        .find(|name| !declares(&text, &keywords, name) && !exports(&text, name))
+        .enumerate()
+        .find(|(i, name)| {
+            !declares(&text, &keywords, name)
+                && !exports(&text, name)
+                && !(*i > 0 && elsewhere(name))
+        })
+        .map(|(_, name)| name)
         .map(|name| format!("`{item}`: `{name}` is not declared in {}", place.display()))
 }
 

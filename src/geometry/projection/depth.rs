@@ -5,6 +5,16 @@ use crate::error::Error;
 /// The range of depths that a projection keeps, and which end of the depth buffer the near end becomes.
 ///
 /// Depths are distances along the optical axis, in world units.
+///
+/// ```
+/// use collinear::geometry::projection::{ClipConvention, DepthRange, Projection};
+///
+/// // Reversed and without end, z_ndc = near / Z: depth 10 is at 0.01.
+/// let depth = DepthRange::infinite(0.1)?.reversed();
+/// let view = Projection::from_field_of_view(1.0, 1.0, depth)?;
+/// assert!((view.depth_from_ndc(ClipConvention::Wgpu, 0.01)? - 10.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthRange {
     near: f64,

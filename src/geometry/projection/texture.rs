@@ -93,6 +93,26 @@ pub fn eye_linear(
 /// ```
 ///
 /// Right only where the vertices are in world coordinates, that is, where the model matrix is the identity.
+///
+/// # Example
+/// An old camera at the origin with a field of view of 90°: the point (1, 0, 2) is half way to the right edge of its
+/// picture, at s = ¾, t = ½.
+///
+/// ```
+/// use collinear::geometry::Pose;
+/// use collinear::geometry::projection::texture::{object_linear, texture_from_clip, texture_from_light};
+/// use collinear::geometry::projection::{ClipConvention, DepthRange, Projection};
+/// use collinear::nalgebra::Vector4;
+///
+/// let convention = ClipConvention::OpenGl;
+/// let view = Projection::from_field_of_view(90f64.to_radians(), 1.0, DepthRange::new(0.1, 100.0)?)?;
+/// let old = texture_from_clip(convention) * view.clip_from_camera(convention);
+/// let p = texture_from_light(&(object_linear(&old, &Pose::identity()) * Vector4::new(1.0, 0.0, 2.0, 1.0)))?;
+/// assert!((p.x - 0.75).abs() < 1e-15 && (p.y - 0.5).abs() < 1e-15);
+/// // Behind the old camera there is no texture.
+/// assert!(texture_from_light(&(old * Vector4::new(1.0, 0.0, -2.0, 1.0))).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 #[doc(alias("GL_OBJECT_LINEAR", "texgen"))]
 pub fn object_linear(
@@ -165,6 +185,21 @@ pub fn missing_q(texture: &Point2<f64>, w: f64) -> Result<Vector3<f64>, Projecti
 /// # Errors
 /// [`Error::NotFinite`], and [`Error::Degenerate`] where `M_c` is singular; the measure is its smallest pivot over the largest, rows
 /// and columns scaled to one.
+///
+/// # Example
+/// A light at the eye with the eye's own projection sees what the eye sees: M is the identity.
+///
+/// ```
+/// use collinear::geometry::projection::texture::light_from_clip;
+/// use collinear::geometry::projection::{ClipConvention, DepthRange, Projection};
+/// use collinear::nalgebra::Matrix4;
+///
+/// let view = Projection::from_field_of_view(1.0, 1.5, DepthRange::new(0.1, 100.0)?)?;
+/// let clip_from_world = view.clip_from_camera(ClipConvention::OpenGl);
+/// let m = light_from_clip(&clip_from_world, &clip_from_world)?;
+/// assert!((m - Matrix4::identity()).amax() < 1e-12);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[doc(alias("shadow map", "slide projector"))]
 pub fn light_from_clip(
     light_from_world: &Matrix4<f64>,
