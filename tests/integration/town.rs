@@ -7,9 +7,11 @@ mod brute_force;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
+use brute_force::camera::Camera;
 use brute_force::caster::{Sight, Town, in_parallel};
 use brute_force::picture::Image;
 use brute_force::scene_file::scene_json;
+use brute_force::vector::v3;
 use serde_json::Value;
 
 static TOWN: LazyLock<Town> = LazyLock::new(Town::new);
@@ -23,7 +25,7 @@ fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {
             let (Some(a), Some(b)) = (a.as_f64(), b.as_f64()) else { return false };
-            (a - b).abs() < 1e-8 * b.abs().max(1.0)
+            (a - b).abs() < 1e-9 + 1e-12 * b.abs()
         }
         (Value::Array(a), Value::Array(b)) => {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
@@ -50,6 +52,24 @@ fn every_polygon_is_plane() {
         for p in &polygon.vertices {
             let off = frame.n.dot(*p - frame.origin);
             assert!(off.abs() < 1e-9, "{}: {off}", polygon.name);
+        }
+    }
+}
+
+#[test]
+fn the_quaternion_of_a_camera_turns_the_world_into_its_axes() {
+    for step in 0..360_u32 {
+        let turn = f64::from(step) * 2.399;
+        let target = v3(turn.cos(), turn.sin(), 1.9 * (0.7 * turn).sin());
+        let camera = Camera::looking((8, 6), 7.0, v3(0.0, 0.0, 0.0), target, 1.3 * turn);
+        let [w, x, y, z] = camera.quaternion();
+        let rows = [
+            v3(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+            v3(2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+            v3(2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+        ];
+        for (row, axis) in rows.into_iter().zip([camera.right, camera.down, camera.forward]) {
+            assert!((row - axis).length() < 1e-14, "step {step}: {row:?} {axis:?}");
         }
     }
 }
