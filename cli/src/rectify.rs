@@ -326,9 +326,7 @@ pub fn size_at(rectangle: &Rectangle, units_per_pixel: f64) -> Result<(Rectangle
     let largest = f64::from(crate::LARGEST_SIDE);
     ensure!(
         w <= largest && h <= largest,
-        "{} × {} units at {units_per_pixel} a pixel make {w} × {h} pixels: a side must be from 1 to {largest}",
-        right - left,
-        top - bottom
+        "at {units_per_pixel} units a pixel the rectangle has {w} × {h} pixels: a side must be from 1 to {largest}"
     );
     let (width, height) = (w as u32, h as u32);
     check_size(width, height)?;

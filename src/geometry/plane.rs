@@ -59,7 +59,13 @@ impl Plane {
             return Err(Error::NotFinite { what: "plane offset" });
         }
         let mut plane = Self::from_point_and_normal(Point3::origin(), normal)?;
-        plane.point = Point3::from(plane.normal.into_inner() * (-d / normal.norm()));
+        // Scaled first: the square of a tiny or huge coefficient must not vanish or overflow.
+        let largest = normal.amax();
+        let distance = -(d / largest) / (normal / largest).norm();
+        if !distance.is_finite() {
+            return Err(Error::NotFinite { what: "distance of the plane from the origin" });
+        }
+        plane.point = Point3::from(plane.normal.into_inner() * distance);
         Ok(plane)
     }
 
@@ -71,11 +77,11 @@ impl Plane {
     /// the angle at a.
     pub fn through(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Result<Self, Error> {
         let (u, v) = (b - a, c - a);
-        let (lu, lv) = (u.norm(), v.norm());
-        if !(lu.is_finite() && lv.is_finite()) {
+        if !u.iter().chain(v.iter()).all(|c| c.is_finite()) {
             return Err(Error::NotFinite { what: "plane point" });
         }
-        let normal = (u / lu).cross(&(v / lv));
+        let unit = |v: Vector3<f64>| (v / v.amax()).normalize();
+        let normal = unit(u).cross(&unit(v));
         let sine = normal.norm();
         if !(sine > COLLINEAR) {
             let measure = if sine.is_finite() { sine } else { 0.0 };
@@ -89,7 +95,8 @@ impl Plane {
     }
 
     /// The plane with the least sum of squared distances to n points: through their centroid, normal to the direction
-    /// of least scatter.
+    /// of least scatter. The normal points to the side from which the points, in their order, turn counter-clockwise;
+    /// where they do not go around, its largest component is positive.
     ///
     /// # Errors
     /// [`Error::TooFewPoints`] for fewer than three, [`Error::NotFinite`], and [`Error::Degenerate`] where the points
@@ -114,13 +121,15 @@ impl Plane {
         let first = points[0];
         let mean = points.iter().fold(Vector3::zeros(), |s, p| s + (p - first)) / n as f64;
         let centroid = first + mean;
+        // In units of the largest offset, so that no square vanishes or overflows.
+        let size = points.iter().map(|p| (p - centroid).amax()).fold(0.0, f64::max);
         let mut rows = Triangular::<3>::new();
         for p in points {
             let d = p - centroid;
             if !d.iter().all(|c| c.is_finite()) {
                 return Err(Error::NotFinite { what: "plane point" });
             }
-            rows.add_row([d.x, d.y, d.z]);
+            rows.add_row(if size > 0.0 { (d / size).into() } else { [0.0; 3] });
         }
         let (extents, axes) = rows.singular();
         let ratio = if extents[0] > 0.0 { extents[1] / extents[0] } else { 0.0 };
@@ -128,20 +137,22 @@ impl Plane {
             return Err(Error::Degenerate { what: "plane fit", measure: ratio, limit: COLLINEAR });
         }
         let mut normal: Vector3<f64> = axes.column(2).into_owned();
-        // The sign that the points' own order gives, where it goes around (Newell); else the larger component up.
+        // The sign that the points' own order gives, where it goes around (Newell); else its largest component is positive.
         let turn = points
             .iter()
             .zip(points.iter().cycle().skip(1))
             .fold(Vector3::zeros(), |s: Vector3<f64>, (a, b)| {
-                s + (a - centroid).cross(&(b - centroid))
+                s + ((a - centroid) / size).cross(&((b - centroid) / size))
             });
-        if normal.dot(&turn) < 0.0 {
+        let turned = normal.dot(&turn);
+        let goes_around = turned.abs() > 1e-12 * extents[0] * extents[1];
+        if (if goes_around { turned } else { normal[normal.iamax()] }) < 0.0 {
             normal = -normal;
         }
         let plane = Self::from_point_and_normal(centroid, normal)?;
         let largest = points.iter().map(|p| plane.signed_distance(p).abs()).fold(0.0, f64::max);
-        let sum: f64 = points.iter().map(|p| plane.signed_distance(p)).map(|d| d * d).sum();
-        Ok(PlaneFit { plane, rms: float::sqrt(sum / n as f64), largest_residual: largest })
+        let sum: f64 = points.iter().map(|p| plane.signed_distance(p) / size).map(|d| d * d).sum();
+        Ok(PlaneFit { plane, rms: size * float::sqrt(sum / n as f64), largest_residual: largest })
     }
 
     /// The point the plane is anchored at.
@@ -187,9 +198,13 @@ impl Surface for Plane {
         self.signed_distance(world)
     }
 
-    /// λ = −n·(O − P) / n·d, met from either side.
+    /// λ = −n·(O − P) / n·d, met from either side; a ray that starts on the plane meets it there.
     fn meet_ray(&self, ray: &Ray) -> Result<Point3<f64>, ProjectionError> {
-        let t = -self.signed_distance(&ray.origin) / self.normal.dot(&ray.direction);
+        let distance = self.signed_distance(&ray.origin);
+        if distance == 0.0 {
+            return Ok(ray.origin);
+        }
+        let t = -distance / self.normal.dot(&ray.direction);
         if t.is_nan() {
             return Err(ProjectionError::NotFinite);
         }

@@ -74,14 +74,17 @@ fn first_crossing(
     for k in 1..=STEPS {
         let below = at(k);
         let value = height_above(&curve.at(below));
-        if above_value >= 0.0 && value <= 0.0 {
+        // From either side, as a ray meets it: a plane may face down.
+        let from_above = above_value >= 0.0 && value <= 0.0;
+        if from_above || (above_value <= 0.0 && value >= 0.0) {
             let (mut a, mut b) = (above, below);
             loop {
                 let middle = 0.5 * (a + b);
                 if !((middle < a && middle > b) || (middle > a && middle < b)) {
                     return Ok(curve.at(middle));
                 }
-                if height_above(&curve.at(middle)) > 0.0 {
+                let middle_value = height_above(&curve.at(middle));
+                if if from_above { middle_value > 0.0 } else { middle_value < 0.0 } {
                     a = middle;
                 } else {
                     b = middle;

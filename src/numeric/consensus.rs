@@ -191,7 +191,7 @@ pub fn search<E: Estimator>(
             best = Some(improved);
         }
     }
-    let needed = (E::SAMPLE + options.min_support).min(n);
+    let needed = E::SAMPLE.saturating_add(options.min_support).min(n);
     match best {
         Some(b) if b.count >= needed => {
             Ok(Consensus { model: b.model, inliers: b.inliers, inlier_count: b.count, trials })

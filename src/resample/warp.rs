@@ -47,6 +47,9 @@ pub fn warp<T: Sample, const C: usize>(
     border: Border,
     target: &mut ImageViewMut<'_, T, C>,
 ) {
+    if source.width() == 0 || source.height() == 0 {
+        return;
+    }
     let mut coords = RowCoords::new();
     let width = target.width() as i32;
     for y in 0..target.height() {
@@ -58,8 +61,6 @@ pub fn warp<T: Sample, const C: usize>(
             }
         }
         map.row(y as i32, 0..width, &mut coords);
-        if visit_row(source, filter, border, &coords, &mut RowPainter::<T, C>(row)).is_err() {
-            return;
-        }
+        let _ = visit_row(source, filter, border, &coords, &mut RowPainter::<T, C>(row));
     }
 }

@@ -10,14 +10,20 @@
     reason = "a test fails by panicking and says what it skips; helpers are shared within one binary; digits are as printed"
 )]
 
+mod affine;
 mod camera;
 mod contracts;
 mod geodetic;
 mod homography;
 mod layers;
+mod least_squares;
+mod orthophoto;
+mod plane;
 mod plane_map;
 mod polynomial;
+mod pose;
 mod projection;
+mod resample;
 mod rotation;
 mod sources;
 mod span;

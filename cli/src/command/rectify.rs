@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     /// Units of the world for each pixel, instead of a size; the rectangle is grown to the right and
     /// downwards to whole pixels
     #[arg(
-        long, value_name = "UNITS", value_parser = positive, requires = "plane",
+        long, value_name = "UNITS", value_parser = positive, conflicts_with = "quad",
         alias = "units-per-pixel"
     )]
     gsd: Option<f64>,
@@ -114,15 +114,18 @@ impl Arguments {
             None => Border::Constant([0.0; 4]),
         };
         let camera = self.camera.as_deref().map(CameraFile::read).transpose()?;
-        let rectification = match (&self.plane, &camera, &self.quad) {
+        let (rectification, rectangle) = match (&self.plane, &camera, &self.quad) {
             (Some(path), Some(camera), _) => {
                 let plane = PlaneFile::read(path)?;
-                self.of_plane(&plane, camera).map_err(|e| in_file(path, e))?
+                let (made, rectangle) =
+                    self.of_plane(&plane, camera).map_err(|e| in_file(path, e))?;
+                (made, Some(rectangle))
             }
             (_, camera, Some(corners)) => {
                 let Size { width, height } = self.size.context("--quad needs --size")?;
-                Rectification::of_quad(corners, camera.as_ref(), width, height)
-                    .map_err(|e| anyhow!("--quad: {e}"))?
+                let made = Rectification::of_quad(corners, camera.as_ref(), width, height)
+                    .map_err(|e| anyhow!("--quad: {e}"))?;
+                (made, None)
             }
             _ => return Err(anyhow!("one of --plane (with --camera) and --quad is needed")),
         };
@@ -159,6 +162,13 @@ impl Arguments {
             }
         }
         write_picture(&self.output, &picture)?;
+        let place = rectangle.map(|r| format!(" {}", corners(&r))).unwrap_or_default();
+        say(&format!(
+            "{}: {} × {} pixels{place}",
+            self.output.display(),
+            picture.width,
+            picture.height
+        ));
         Ok(())
     }
 
@@ -172,7 +182,11 @@ impl Arguments {
         Ok(photograph)
     }
 
-    fn of_plane(&self, plane: &PlaneFile, camera: &CameraFile) -> Result<Rectification> {
+    fn of_plane(
+        &self,
+        plane: &PlaneFile,
+        camera: &CameraFile,
+    ) -> Result<(Rectification, Rectangle)> {
         let rectangle = match plane.rectangle {
             Some(rectangle) => rectangle,
             None => footprint(plane, camera)?,
@@ -183,11 +197,16 @@ impl Arguments {
             (None, None) => return Err(anyhow!("one of --size and --gsd is needed")),
         };
         let made = Rectification::of_plane(plane, &rectangle, camera, width, height)?;
-        let Rectangle { left, bottom, right, top } = rectangle;
-        say(&format!(
-            "{}: {width} × {height} pixels from {left}, {bottom} to {right}, {top}",
-            self.output.display()
-        ));
-        Ok(made)
+        Ok((made, rectangle))
     }
+}
+
+/// A rectangle's corners, to a millionth of its size.
+fn corners(r: &Rectangle) -> String {
+    let size = (r.right - r.left).max(r.top - r.bottom);
+    let digits = (6.0 - size.log10()).ceil().clamp(0.0, 300.0) as usize;
+    // Adding zero makes −0 into 0.
+    let short = |v: f64| format!("{v:.digits$}").parse().unwrap_or(v) + 0.0;
+    let [left, bottom, right, top] = [r.left, r.bottom, r.right, r.top].map(short);
+    format!("from {left}, {bottom} to {right}, {top}")
 }

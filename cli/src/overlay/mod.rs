@@ -18,7 +18,7 @@ pub use svg::Photograph;
 
 use lines::Tracer;
 
-/// Eight colours that stay apart for every kind of colour vision, without the black (Okabe & Ito 2002).
+/// Colours that stay apart for every kind of colour vision: Okabe and Ito's eight (2002) without the black.
 const PALETTE: [[u8; 3]; 7] = [
     [240, 228, 66],
     [86, 180, 233],
@@ -28,6 +28,12 @@ const PALETTE: [[u8; 3]; 7] = [
     [213, 94, 0],
     [0, 114, 178],
 ];
+
+/// The dark casing of a line, as wide as so many lines.
+const CASING_WIDTH: f64 = 2.0;
+
+/// How much of what is below a casing it covers.
+const CASING_OPACITY: f64 = 0.5;
 
 /// Edges of the world that share a name and a colour.
 #[derive(Clone, Debug, PartialEq)]

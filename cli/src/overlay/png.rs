@@ -2,13 +2,13 @@
 
 use anyhow::{Result, anyhow};
 use collinear_io::picture::Picture;
-use tiny_skia::{IntSize, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
+use tiny_skia::{IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
-use super::Overlay;
+use super::{CASING_OPACITY, CASING_WIDTH, Drawing, Overlay};
 use crate::picture::Rgb;
 
 impl Overlay {
-    /// The photograph in colour with anti-aliased lines of `line_width` pixels over it.
+    /// The photograph in colour with anti-aliased lines of `line_width` pixels over it, on a darker ground.
     ///
     /// # Errors
     /// A photograph of another size than the overlay's.
@@ -29,28 +29,40 @@ impl Overlay {
                     self.height
                 )
             })?;
-        let stroke = Stroke {
-            width: line_width as f32,
+        let stroke = |width: f64| Stroke {
+            width: width as f32,
             line_cap: LineCap::Round,
             line_join: LineJoin::Round,
             ..Stroke::default()
         };
-        for drawing in &self.drawings {
-            let mut paint = Paint { anti_alias: true, ..Paint::default() };
-            let [r, g, b] = drawing.color;
-            paint.set_color_rgba8(r, g, b, u8::MAX);
-            let mut path = PathBuilder::new();
-            for line in &drawing.lines {
-                for (i, p) in line.iter().enumerate() {
-                    let (x, y) = (p.x as f32, p.y as f32);
-                    if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
-                }
-            }
-            if let Some(path) = path.finish() {
-                pixmap.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+        let paths: Vec<_> = self.drawings.iter().map(|d| (d.color, path(d))).collect();
+        let mut paint = Paint { anti_alias: true, ..Paint::default() };
+        let mut lines = |color: [u8; 3], opacity: f64, path: &Path, stroke: &Stroke| {
+            let [r, g, b] = color;
+            paint.set_color_rgba8(r, g, b, (255.0 * opacity) as u8);
+            pixmap.stroke_path(path, &paint, stroke, Transform::identity(), None);
+        };
+        let (casing, line) = (stroke(line_width * CASING_WIDTH), stroke(line_width));
+        for path in paths.iter().filter_map(|(_, p)| p.as_ref()) {
+            lines([0; 3], CASING_OPACITY, path, &casing);
+        }
+        for (color, path) in &paths {
+            if let Some(path) = path {
+                lines(*color, 1.0, path, &line);
             }
         }
         let data = pixmap.data().chunks_exact(4).flat_map(|p| p.iter().take(3)).copied().collect();
         Ok(Picture { width, height, channels: 3, data, orientation: 1 })
     }
+}
+
+fn path(drawing: &Drawing) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    for line in &drawing.lines {
+        for (i, p) in line.iter().enumerate() {
+            let (x, y) = (p.x as f32, p.y as f32);
+            if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
+        }
+    }
+    path.finish()
 }

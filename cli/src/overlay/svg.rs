@@ -5,7 +5,7 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::Overlay;
+use super::{CASING_OPACITY, CASING_WIDTH, Overlay};
 
 /// How an SVG file holds its photograph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,30 +45,45 @@ impl Overlay {
             Photograph::Linked(address) => svg.push_str(&escaped(address)),
         }
         svg.push_str("\"/>\n");
-        let _ = writeln!(
-            svg,
-            "<g fill=\"none\" stroke-width=\"{line_width}\" stroke-linecap=\"round\" stroke-linejoin=\"round\">"
-        );
-        for drawing in drawings.iter().filter(|d| !d.lines.is_empty()) {
-            let _ = write!(svg, "<path stroke=\"{}\" d=\"", hex(drawing.color));
-            for line in &drawing.lines {
-                for (i, p) in line.iter().enumerate() {
-                    let command = if i == 0 { 'M' } else { 'L' };
-                    let _ = write!(svg, "{command}{:.3} {:.3}", p.x, p.y);
-                }
-            }
-            svg.push_str("\">");
-            if let Some(name) = &drawing.name {
-                let _ = write!(svg, "<title>{}</title>", escaped(name));
-            }
-            svg.push_str("</path>\n");
-        }
-        svg.push_str("</g>\n");
+        self.write_lines(&mut svg, line_width);
         if names {
             self.write_names(&mut svg);
         }
         svg.push_str("</svg>\n");
         svg
+    }
+
+    /// The lines twice: dark and wide, then coloured, so that they are seen on any ground.
+    fn write_lines(&self, svg: &mut String, line_width: f64) {
+        svg.push_str("<defs>\n");
+        for (i, drawing) in self.drawings.iter().enumerate() {
+            let _ = write!(svg, "<path id=\"f{i}\" d=\"");
+            for line in &drawing.lines {
+                for (k, p) in line.iter().enumerate() {
+                    let command = if k == 0 { 'M' } else { 'L' };
+                    let _ = write!(svg, "{command}{:.3} {:.3}", p.x, p.y);
+                }
+            }
+            svg.push_str("\"/>\n");
+        }
+        let style = "fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\"";
+        let _ = writeln!(
+            svg,
+            "</defs>\n<g {style} stroke=\"#000\" stroke-opacity=\"{CASING_OPACITY}\" stroke-width=\"{}\">",
+            line_width * CASING_WIDTH
+        );
+        for i in 0..self.drawings.len() {
+            let _ = writeln!(svg, "<use href=\"#f{i}\"/>");
+        }
+        let _ = writeln!(svg, "</g>\n<g {style} stroke-width=\"{line_width}\">");
+        for (i, drawing) in self.drawings.iter().enumerate() {
+            let _ = write!(svg, "<use href=\"#f{i}\" stroke=\"{}\">", hex(drawing.color));
+            if let Some(name) = &drawing.name {
+                let _ = write!(svg, "<title>{}</title>", escaped(name));
+            }
+            svg.push_str("</use>\n");
+        }
+        svg.push_str("</g>\n");
     }
 
     fn write_names(&self, svg: &mut String) {

@@ -1,0 +1,280 @@
+//! Help, wrong usage, and inputs that are refused.
+
+use std::fs;
+
+use crate::support::{Folder, document, ground, label, map_view, vertical};
+
+#[test]
+fn help_tells_what_a_command_does_and_in_which_units() {
+    let folder = Folder::new();
+    for (command, essentials) in [
+        (
+            "render",
+            &["SCENE.json", "world", "pixels", "Example:", "collinear render", "--strict"][..],
+        ),
+        (
+            "rectify",
+            &[
+                "--camera",
+                "--plane",
+                "--quad",
+                "--size",
+                "--gsd",
+                "--filter",
+                "--border",
+                "--map-out",
+                "world units",
+            ],
+        ),
+        ("project", &["POINTS.csv", "--inverse", "id, X, Y, Z, x, y, status", "behind", "pixels"]),
+        ("overlay", &["--scene", "--plane", "--mesh", "--line-width", "SVG", "0.1"]),
+    ] {
+        let run = folder.succeed(&[command, "--help"]);
+        for essential in essentials.iter().chain(&["Exit codes: 0 done", "2 wrong usage"]) {
+            assert!(run.stdout.contains(essential), "{command}: {essential}\n{}", run.stdout);
+        }
+    }
+    let run = folder.succeed(&["--help"]);
+    for essential in ["render", "rectify", "project", "overlay", "(0.5, 0.5)", "formats.md"] {
+        assert!(run.stdout.contains(essential), "{essential}\n{}", run.stdout);
+    }
+    assert!(folder.succeed(&["--version"]).stdout.starts_with("collinear 0."));
+}
+
+#[test]
+fn wrong_usage_is_one_line_and_code_2() {
+    let folder = Folder::new();
+    let rectify = |more: &[&'static str]| [&["rectify", "p.png", "-o", "o.png"], more].concat();
+    let cases = [
+        (vec!["render", "s.json"], "--output <OUT>"),
+        (vec!["render", "s.json", "-o", "o.bmp"], "o.bmp: has the unknown extension `.bmp`"),
+        (vec!["render", "s.json", "-o", "o"], "o: has no extension"),
+        (vec!["draw"], "unrecognized subcommand 'draw'"),
+        (
+            vec!["overlay", "p.png", "--camera", "c", "--scene", "s", "-o", "o.pdf"],
+            "name the output .svg, .png",
+        ),
+        (vec!["overlay", "p.png", "--camera", "c", "-o", "o.svg"], "--scene <SCENE.json>|--plane"),
+        (
+            vec!["overlay", "p.png", "--camera", "c", "--plane", "p", "--mesh", "m", "-o", "o.svg"],
+            "cannot be used with",
+        ),
+        (rectify(&["--size", "10x10"]), "--plane <PLANE.json>|--quad"),
+        (rectify(&["--plane", "p.json", "--size", "10x10"]), "--camera <CAMERA.json>"),
+        (rectify(&["--quad", "0,0 1,0 1,1 0,1"]), "--size"),
+        (rectify(&["--quad", "0,0 1,0 1,1", "--size", "9x9"]), "expected four points"),
+        (rectify(&["--quad", "0,0 1,0 1,1 0,NaN", "--size", "9x9"]), "expected four points"),
+        (
+            rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "0x0"]),
+            "a side must be from 1 to 70000",
+        ),
+        (
+            rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "9x70001"]),
+            "a side must be from 1 to 70000",
+        ),
+        (
+            rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "70000x70000"]),
+            "are more than 268435456",
+        ),
+        (rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "9"]), "as 800x600"),
+        (rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "9x-9"]), "`-9` is not a whole number"),
+        (rectify(&["--quad", "0,0 1,0 1,1 0,1", "--gsd", "1"]), "cannot be used with"),
+        (
+            rectify(&["--camera", "c", "--plane", "p", "--gsd", "0"]),
+            "expected a finite number above 0",
+        ),
+        (
+            rectify(&["--camera", "c", "--plane", "p", "--gsd", "nan"]),
+            "expected a finite number above 0",
+        ),
+        (
+            rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "9x9", "--border", "constant:1,2"]),
+            "`1,2` is no colour",
+        ),
+        (
+            rectify(&["--quad", "0,0 1,0 1,1 0,1", "--size", "9x9", "--border", "wrap"]),
+            "expected transparent",
+        ),
+        (vec!["project", "--camera", "c", "--inverse", "p.csv"], "--plane"),
+    ];
+    for (arguments, reason) in cases {
+        let run = folder.run(&arguments);
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.starts_with("collinear: error: "), "{}", run.stderr);
+        assert!(run.stderr.contains(reason), "{arguments:?}: {}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    }
+    assert_eq!(folder.files(), Vec::<String>::new());
+    let run = folder.run(&[]);
+    assert!(run.code == 2 && run.stderr.contains("Usage: collinear <COMMAND>"), "{run:?}");
+}
+
+#[test]
+fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [40, 30], label).draw("wide.png", [41, 30], label);
+    let bytes = fs::read(folder.path("photo.png")).unwrap();
+    folder.write("cut.png", &bytes[..bytes.len() / 2]).write("text.png", "no picture");
+    folder.write("camera.json", document("camera", &vertical(40, 30, "")));
+    folder
+        .write("broken.json", document("camera", &vertical(40, 30, "").replace("100", "\"100\"")));
+    folder.write("nan.json", document("camera", &vertical(40, 30, "").replace("100", "NaN")));
+    folder.write("lens.json", document("camera", &vertical(40, 30, r#", "k": [0.1, 0, 0]"#)));
+    folder.write("plane.json", ground(""));
+    folder.write(
+        "through.json",
+        document("plane", r#""point": [0, 0, 9], "normal": [1, 0, 0]"#).replace(
+            "[1, 0, 0]",
+            r#"[1, 0, 0], "rectangle": { "left": 0, "bottom": 0, "right": 1, "top": 1 }"#,
+        ),
+    );
+    folder.write(
+        "upside.json",
+        ground(r#", "rectangle": { "left": 1, "bottom": 0, "right": 0, "top": 1 }"#),
+    );
+    folder.write("points.csv", "X,Y,Z\n1,2,3\n1,2,NaN\n");
+    let scene = |photographs: &str, polygons: &str, view: &str| {
+        document("scene", &format!(r#"{photographs} "polygons": [{polygons}], "view": {view}"#))
+    };
+    let view = format!("{{ {} }}", map_view(20, 20));
+    let photo = |image: &str, camera: &str| {
+        format!(r#""photographs": [{{ "name": "p", "image": "{image}", "camera": "{camera}" }}],"#)
+    };
+    let shown = r#"{ "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "photograph": "p" }"#;
+    folder.write("unknown.json", scene("", shown, &view));
+    folder.write("missing.json", scene(&photo("gone.png", "camera.json"), shown, &view));
+    folder.write("cut.json", scene(&photo("cut.png", "camera.json"), shown, &view));
+    folder.write("size.json", scene(&photo("wide.png", "camera.json"), shown, &view));
+    folder.write("view.json", scene("", "", "\"lens.json\""));
+    folder
+        .write("huge.json", scene("", "", &view.replace("\"width\": 20", "\"width\": 4000000000")));
+    folder.write("vertex.json", scene("", &shown.replace("[1, 0, 0]", "[1, 0]"), &view));
+
+    let rectify = |camera: &'static str, plane: &'static str, photo: &'static str| {
+        vec![
+            "rectify", photo, "--camera", camera, "--plane", plane, "--size", "8x8", "-o",
+            "out.png",
+        ]
+    };
+    let render = |scene: &'static str| vec!["render", scene, "-o", "out.png"];
+    let cases = [
+        (render("none.json"), "none.json: cannot be read: "),
+        (
+            render("unknown.json"),
+            "unknown.json: polygons[0].photograph: names a photograph `p`, which is not there",
+        ),
+        (render("missing.json"), "missing.json: gone.png: cannot be read: "),
+        (render("cut.json"), "cut.json: cut.png: is cut off after "),
+        (render("size.json"), "size.json: wide.png: is 41 × 30 pixels, its camera says 40 × 30"),
+        (render("view.json"), "view.json: view.interior.model: is `brown`: a view has no lens"),
+        (
+            render("huge.json"),
+            "huge.json: view: a picture of 4000000000 × 20 pixels: a side must be",
+        ),
+        (render("vertex.json"), "vertex.json: polygons[0].vertices[1]"),
+        (rectify("camera.json", "none.json", "photo.png"), "none.json: cannot be read: "),
+        (rectify("none.json", "plane.json", "photo.png"), "none.json: cannot be read: "),
+        (
+            rectify("broken.json", "plane.json", "photo.png"),
+            "broken.json: interior.principal_distance[0]: expected a number",
+        ),
+        (rectify("nan.json", "plane.json", "photo.png"), "nan.json: "),
+        (
+            rectify("camera.json", "upside.json", "photo.png"),
+            "upside.json: rectangle.right: is 0, expected a finite number above left",
+        ),
+        (
+            rectify("camera.json", "through.json", "photo.png"),
+            "through.json: plane through the texture camera is degenerate",
+        ),
+        (rectify("camera.json", "plane.json", "none.png"), "none.png: cannot be read: "),
+        (rectify("camera.json", "plane.json", "cut.png"), "cut.png: is cut off after "),
+        (rectify("camera.json", "plane.json", "text.png"), "text.png: is neither PNG nor JPEG"),
+        (rectify("camera.json", "plane.json", "wide.png"), "wide.png: is 41 × 30 pixels"),
+        (
+            vec![
+                "rectify",
+                "photo.png",
+                "--quad",
+                "0,0 9,9 9,0 0,9",
+                "--size",
+                "8x8",
+                "-o",
+                "out.png",
+            ],
+            "--quad: the quad is folded or concave",
+        ),
+        (
+            vec![
+                "rectify",
+                "photo.png",
+                "--camera",
+                "camera.json",
+                "--plane",
+                "plane.json",
+                "--gsd",
+                "1e-5",
+                "-o",
+                "out.png",
+            ],
+            "plane.json: at 0.00001 units a pixel the rectangle has 400000 × 300000 pixels",
+        ),
+        (
+            vec!["project", "--camera", "camera.json", "points.csv", "-o", "out.png"],
+            "points.csv: line 3, field 3: Z is `NaN`",
+        ),
+        (
+            vec![
+                "overlay",
+                "photo.png",
+                "--camera",
+                "camera.json",
+                "--plane",
+                "plane.json",
+                "-o",
+                "out.png",
+            ],
+            "plane.json: has no `rectangle`",
+        ),
+        (
+            vec![
+                "overlay",
+                "cut.png",
+                "--camera",
+                "camera.json",
+                "--plane",
+                "upside.json",
+                "-o",
+                "out.png",
+            ],
+            "upside.json: rectangle.right",
+        ),
+        (
+            vec![
+                "overlay",
+                "photo.png",
+                "--camera",
+                "camera.json",
+                "--mesh",
+                "none.obj",
+                "-o",
+                "out.png",
+            ],
+            "none.obj: cannot be read: ",
+        ),
+    ];
+    folder.write("out.png", "old");
+    let before = folder.files();
+    for (arguments, reason) in cases {
+        let run = folder.run(&arguments);
+        assert_eq!(run.code, 1, "{arguments:?}: {}", run.stderr);
+        assert!(
+            run.stderr.starts_with(&format!("collinear: error: {reason}")),
+            "{arguments:?}: {}",
+            run.stderr
+        );
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+        assert_eq!((run.stdout.as_str(), folder.text("out.png").as_str()), ("", "old"));
+        assert_eq!(folder.files(), before, "{arguments:?}");
+    }
+}

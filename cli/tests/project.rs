@@ -1,0 +1,104 @@
+//! `collinear project`.
+
+use crate::support::{Folder, document, ground, vertical};
+
+fn folder(lens: &str) -> Folder {
+    let folder = Folder::new();
+    folder.write("camera.json", document("camera", &vertical(400, 300, lens)));
+    folder.write("ground.json", ground(""));
+    folder
+}
+
+#[test]
+fn world_points_get_their_pixels_or_a_reason() {
+    let folder = folder("");
+    folder
+        .write("points.csv", "id,X,Y,Z\nA,1,0,0\n\"church, old\",0,2,5\nhigh,0,0,10\nfar,30,0,0\n");
+    let run = folder.succeed(&["project", "--camera", "camera.json", "points.csv"]);
+    // f = 100 from 10 above: A is 10 pixels right, the church at depth 5 is 40 up, the third is the eye itself.
+    assert_eq!(
+        run.stdout,
+        "id,X,Y,Z,x,y,status\n\
+         A,1.0,0.0,0.0,210.0,150.0,ok\n\
+         \"church, old\",0.0,2.0,5.0,200.0,110.0,ok\n\
+         high,0.0,0.0,10.0,,,the point lies behind the camera: depth 0\n\
+         far,30.0,0.0,0.0,500.0,150.0,outside the picture\n"
+    );
+    assert_eq!(run.stderr, "");
+}
+
+#[test]
+fn a_point_past_the_fold_has_a_reason() {
+    // 1 − 3 · 0.5 r² = 0 at r = √(2/3) = 0.8165: 8.165 from the middle on the ground.
+    let folder = folder(r#", "k": [-0.5, 0, 0]"#);
+    folder.write("points.csv", "8,0,0\n8.2,0,0\n");
+    let run = folder.succeed(&["project", "--camera", "camera.json", "points.csv"]);
+    let lines: Vec<_> = run.stdout.lines().collect();
+    // 0.8 (1 − 0.5 · 0.64) = 0.544.
+    let x: f64 = lines[1].split(',').nth(4).unwrap().parse().unwrap();
+    assert!((x - 254.4).abs() < 1e-12 && lines[1].ends_with(",150.0,ok"), "{}", lines[1]);
+    assert!(lines[2].starts_with(",8.2,0.0,0.0,,,outside the model's domain: 0.8"), "{}", lines[2]);
+}
+
+#[test]
+fn pixels_get_their_place_on_a_plane() {
+    let folder = folder("");
+    folder.write("clicks.csv", "id x y\na 210 150\nb 200 110\nc -100 150\n");
+    let arguments =
+        ["project", "--camera", "camera.json", "--inverse", "--plane", "ground.json", "clicks.csv"];
+    let run = folder.succeed(&[&arguments[..], &["-o", "out.csv"]].concat());
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    let text = folder.text("out.csv");
+    let expected = [("a", [1.0, 0.0, 0.0]), ("b", [0.0, 4.0, 0.0]), ("c", [-30.0, 0.0, 0.0])];
+    for (line, (id, world)) in text.lines().skip(1).zip(expected) {
+        let fields: Vec<_> = line.split(',').collect();
+        assert_eq!(fields[0], id);
+        for (field, w) in fields[1..4].iter().zip(world) {
+            assert!((field.parse::<f64>().unwrap() - w).abs() < 1e-13, "{line}");
+        }
+        assert_eq!(fields[6], if id == "c" { "outside the picture" } else { "ok" });
+    }
+    // A plane above the camera is behind every pixel.
+    folder.write("ground.json", document("plane", r#""point": [0, 0, 11], "normal": [0, 0, 1]"#));
+    let run = folder.succeed(&arguments);
+    assert_eq!(
+        run.stdout.lines().nth(1),
+        Some("a,,,,210.0,150.0,the line of sight does not meet the surface")
+    );
+}
+
+#[test]
+fn what_was_projected_comes_back_to_the_last_digits_in_map_coordinates() {
+    let folder = Folder::new();
+    let camera = r#""width": 8000, "height": 6000,
+        "interior": { "model": "brown", "principal_distance": [9000, 9000], "principal_point": [4000, 3000],
+            "k": [-0.05, 0.01, 0], "p": [0.0002, -0.0001] },
+        "exterior": { "projection_center": [691234.5, 5334321.25, 1250.75], "omega_phi_kappa": [0.02, -0.03, 1.1] }"#;
+    folder.write("camera.json", document("camera", camera));
+    folder.write(
+        "ground.json",
+        document("plane", r#""point": [691000, 5334000, 510.125], "normal": [0.01, -0.02, 1]"#),
+    );
+    folder.write("clicks.csv", "100.25,200.5\n7900.125,5800\n4000,3000\n");
+    folder.succeed(&[
+        "project",
+        "--camera",
+        "camera.json",
+        "--inverse",
+        "--plane",
+        "ground.json",
+        "clicks.csv",
+        "-o",
+        "world.csv",
+    ]);
+    let run = folder.succeed(&["project", "--camera", "camera.json", "world.csv"]);
+    // A coordinate of 5·10⁶ has a last bit of 9·10⁻¹⁰, which at this scale is 10⁻⁸ of a pixel.
+    for (line, expected) in
+        run.stdout.lines().skip(1).zip([[100.25, 200.5], [7900.125, 5800.0], [4000.0, 3000.0]])
+    {
+        let fields: Vec<_> = line.split(',').collect();
+        for (field, e) in fields[4..6].iter().zip(expected) {
+            assert!((field.parse::<f64>().unwrap() - e).abs() < 3e-8, "{line}");
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! `collinear rectify`.
+
+use crate::support::{Folder, document, ground, label, pixel, vertical};
+
+fn with_photograph(size: [u32; 2], lens: &str) -> Folder {
+    let folder = Folder::new();
+    folder.draw("photo.png", size, label);
+    folder.write("camera.json", document("camera", &vertical(size[0], size[1], lens)));
+    folder
+}
+
+const CAMERA: [&str; 4] = ["--camera", "camera.json", "--plane", "plane.json"];
+
+fn rectify<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&["rectify", "photo.png"], more].concat()
+}
+
+#[test]
+fn a_rectangle_of_the_ground_is_cut_out_of_a_vertical_photograph() {
+    let folder = with_photograph([40, 30], "");
+    // 0.1 a pixel: x from −1 to 1.5 is columns 10 to 35; y from −0.5 to 1, which is up, rows 5 to 20.
+    folder.write(
+        "plane.json",
+        ground(r#", "rectangle": { "left": -1, "bottom": -0.5, "right": 1.5, "top": 1 }"#),
+    );
+    for scale in [["--size", "25x15"], ["--gsd", "0.1"]] {
+        let more = ["--filter", "nearest", "-o", "out.png"];
+        let run = folder.succeed(&[&rectify(&CAMERA)[..], &scale, &more].concat());
+        assert!(run.stderr.contains("25 × 15 pixels from -1, -0.5 to 1.5, 1"), "{}", run.stderr);
+        let out = folder.picture("out.png");
+        assert_eq!((out.width, out.height, out.channels), (25, 15, 4));
+        for y in 0..15 {
+            for x in 0..25 {
+                let [r, g, b] = label(x + 10, y + 5);
+                assert_eq!(pixel(&out, x, y), [r, g, b, 255], "({x}, {y})");
+            }
+        }
+    }
+}
+
+#[test]
+fn up_and_the_normal_turn_the_picture() {
+    let folder = with_photograph([40, 30], "");
+    // East up: right is south. The top left pixel shows the photograph's top right corner's... north-east: (1, 1).
+    folder.write(
+        "plane.json",
+        ground(
+            r#", "up": [1, 0, 0], "rectangle": { "left": -1, "bottom": -1, "right": 1, "top": 1 }"#,
+        ),
+    );
+    let more = ["--size", "20x20", "--filter", "nearest", "-o", "out.png"];
+    folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    let out = folder.picture("out.png");
+    let [r, g, b] = label(29, 5);
+    assert_eq!(pixel(&out, 0, 0), [r, g, b, 255]);
+    let [r, g, b] = label(10, 24);
+    assert_eq!(pixel(&out, 19, 19), [r, g, b, 255]);
+    // From below, the picture is mirrored, and that is told: the camera is above.
+    folder.write(
+        "plane.json",
+        document(
+            "plane",
+            r#""point": [0, 0, 0], "normal": [0, 0, -1],
+            "rectangle": { "left": -1, "bottom": -1, "right": 1, "top": 1 }"#,
+        ),
+    );
+    let run = folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    assert!(run.stderr.contains("left and right are exchanged"), "{}", run.stderr);
+    // Up is +Y, right is −X: the top left pixel shows (0.95, 0.95).
+    let [r, g, b] = label(29, 5);
+    assert_eq!(pixel(&folder.picture("out.png"), 0, 0), [r, g, b, 255]);
+}
+
+#[test]
+fn without_a_rectangle_all_that_the_photograph_shows_is_drawn() {
+    let folder = with_photograph([40, 30], "");
+    folder.write("plane.json", ground(""));
+    let more =
+        ["--gsd", "0.1", "--filter", "nearest", "--border", "constant:0,0,0", "-o", "out.png"];
+    let run = folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    assert!(run.stderr.contains("40 × 30 pixels from -2, -1.5 to 2, 1.5"), "{}", run.stderr);
+    assert_eq!(folder.picture("out.png"), folder.picture("photo.png"));
+}
+
+#[test]
+fn a_horizon_in_view_asks_for_a_rectangle() {
+    let folder = with_photograph([40, 30], "");
+    // A level camera, one above the ground, that looks north.
+    let level = r#""width": 40, "height": 30,
+        "interior": { "model": "pinhole", "principal_distance": [30, 30], "principal_point": [20, 15] },
+        "exterior": { "projection_center": [0, 0, 1], "rotation_matrix": [[1, 0, 0], [0, 0, -1], [0, 1, 0]] }"#;
+    folder.write("camera.json", document("camera", level)).write("plane.json", ground(""));
+    folder.write("out.png", "old");
+    let more = ["--size", "20x20", "-o", "out.png"];
+    let run = folder.run(&[&rectify(&CAMERA)[..], &more].concat());
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.starts_with("collinear: error: plane.json: the plane's horizon is in view"));
+    assert!(run.stderr.contains("the plane file needs a `rectangle`"), "{}", run.stderr);
+    assert_eq!(folder.text("out.png"), "old");
+}
+
+#[test]
+fn the_lens_is_taken_out() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [100, 80], |x, y| [(2 * x) as u8, (3 * y) as u8, 0]);
+    let lens = r#", "k": [0.4, -0.1, 0], "p": [0.02, -0.01]"#;
+    folder.write("camera.json", document("camera", &vertical(100, 80, lens)));
+    folder.write(
+        "plane.json",
+        ground(r#", "rectangle": { "left": -3, "bottom": -2, "right": 3, "top": 2 }"#),
+    );
+    let more = ["--size", "60x40", "-o", "out.png"];
+    folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    let out = folder.picture("out.png");
+    for (i, j) in [(0, 0), (59, 0), (30, 20), (0, 39), (59, 39), (10, 33)] {
+        let (x, y) = ((f64::from(i) + 0.5 - 30.0) / 100.0, (f64::from(j) + 0.5 - 20.0) / 100.0);
+        let r2 = x * x + y * y;
+        let radial = 1.0 + 0.4 * r2 - 0.1 * r2 * r2;
+        let u = x * radial + 2.0 * 0.02 * x * y - 0.01 * (r2 + 2.0 * x * x);
+        let v = y * radial + 0.02 * (r2 + 2.0 * y * y) - 2.0 * 0.01 * x * y;
+        let expected = [2.0 * (50.0 + 100.0 * u - 0.5), 3.0 * (40.0 + 100.0 * v - 0.5)];
+        let found = pixel(&out, i, j);
+        for (f, e) in found.iter().zip(expected) {
+            assert!((f64::from(*f) - e).abs() <= 0.51, "({i}, {j}): {found:?}, {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn a_quadrilateral_becomes_the_picture() {
+    let folder = with_photograph([40, 30], "");
+    // Columns 10 to 35, rows 5 to 20 of the photograph.
+    let more = ["--quad", "10,5 35,5 35,20 10,20", "--size", "25x15", "--filter", "nearest"];
+    let outputs = ["-o", "out.png", "--map-out", "map.json"];
+    folder.succeed(&[&rectify(&more)[..], &outputs].concat());
+    let out = folder.picture("out.png");
+    for y in 0..15 {
+        for x in 0..25 {
+            let [r, g, b] = label(x + 10, y + 5);
+            assert_eq!(pixel(&out, x, y), [r, g, b, 255], "({x}, {y})");
+        }
+    }
+    let map: serde_json::Value = serde_json::from_str(&folder.text("map.json")).unwrap();
+    assert_eq!((&map["collinear"], &map["kind"]), (&"map".into(), &"homography".into()));
+    let m = |i: usize, j: usize| {
+        map["matrix"][i][j].as_f64().unwrap() / map["matrix"][2][2].as_f64().unwrap()
+    };
+    // A shift by (10, 5).
+    let expected = [[1.0, 0.0, 10.0], [0.0, 1.0, 5.0], [0.0, 0.0, 1.0]];
+    for (i, row) in expected.iter().enumerate() {
+        for (j, e) in row.iter().enumerate() {
+            assert!((m(i, j) - e).abs() < 1e-13, "{map}");
+        }
+    }
+}
+
+#[test]
+fn a_trapezium_is_rectified_in_perspective() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [200, 200], |x, y| [x as u8, y as u8, 0]);
+    // The diagonals of (60,20) (140,20) (180,180) (20,180) cross where x = 100 and, from (60,20) towards (180,180), at
+    // 1/3 of the way: y = 20 + 160/3 = 73.33. That is the middle of the rectangle.
+    let more = ["--quad", "60,20 140,20 180,180 20,180", "--size", "101x101", "-o", "out.png"];
+    folder.succeed(&rectify(&more));
+    let out = folder.picture("out.png");
+    assert_eq!(pixel(&out, 50, 50), [100, 73, 0, 255]);
+    // Counter-clockwise corners mirror.
+    let more = ["--quad", "140,20 60,20 20,180 180,180", "--size", "101x101", "-o", "out.png"];
+    let run = folder.succeed(&rectify(&more));
+    assert!(run.stderr.contains("the corners go counter-clockwise"), "{}", run.stderr);
+}
+
+#[test]
+fn corners_go_through_the_lens_of_a_camera_given_with_them() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [100, 80], |x, _| [(2 * x) as u8, 0, 0]);
+    folder.write("camera.json", document("camera", &vertical(100, 80, r#", "k": [0.5, 0, 0]"#)));
+    // The ideal point (0.3, 0.2) has its image at 0.3 (1 + 0.5 · 0.13) = 0.3195, 0.2 · 1.065 = 0.213.
+    let quad = "18.05,18.7 81.95,18.7 81.95,61.3 18.05,61.3";
+    let more = ["--camera", "camera.json", "--quad", quad, "--size", "60x40", "-o", "out.png"];
+    folder.succeed(&rectify(&more));
+    let out = folder.picture("out.png");
+    // So pixel (45, 20) is the ideal point (0.155, 0.005): 0.155 (1 + 0.5 · 0.02405) = 0.15686, red 2 · (65.686 − ½).
+    assert_eq!(pixel(&out, 45, 20), [130, 0, 0, 255]);
+}
+
+#[test]
+fn the_border_is_as_asked_for() {
+    let folder = with_photograph([40, 30], "");
+    // One unit, ten pixels, beyond the photograph on the left and none elsewhere.
+    folder.write(
+        "plane.json",
+        ground(r#", "rectangle": { "left": -3, "bottom": -1.5, "right": 2, "top": 1.5 }"#),
+    );
+    let [r, g, b] = label(0, 9);
+    let cases: [(&str, &str, &[u8]); 6] = [
+        ("transparent", "out.png", &[0, 0, 0, 0]),
+        ("constant:10,20,30", "out.png", &[10, 20, 30]),
+        ("constant 10,20,30", "out.png", &[10, 20, 30]),
+        ("clamp", "out.png", &[r, g, b]),
+        ("mirror", "out.png", &label(5, 9)),
+        ("repeat", "out.png", &label(34, 9)),
+    ];
+    for (border, name, expected) in cases {
+        let more = ["--size", "50x30", "--filter", "nearest", "--border", border, "-o", name];
+        folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+        assert_eq!(pixel(&folder.picture(name), 4, 9), expected, "{border}");
+    }
+    // A JPEG has no opacity.
+    let more = ["--size", "50x30", "-o", "out.jpg"];
+    folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    let dark = folder.picture("out.jpg");
+    assert!(pixel(&dark, 2, 9).iter().all(|c| *c < 12), "{:?}", pixel(&dark, 2, 9));
+    let more = ["--size", "50x30", "--border", "transparent", "-o", "out.jpg"];
+    let run = folder.run(&[&rectify(&CAMERA)[..], &more].concat());
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

@@ -1,0 +1,200 @@
+//! `collinear render`.
+
+use crate::support::{Folder, document, label, map_view, pixel, vertical};
+
+fn scene(photographs: &str, polygons: &str, view: &str, rest: &str) -> String {
+    document(
+        "scene",
+        &format!(r#"{photographs} "polygons": [{polygons}], "view": {{ {view} }} {rest}"#),
+    )
+}
+
+/// A horizontal square of half side `r` at height z, counter-clockwise from above.
+fn square(r: f64, z: f64, fill: &str) -> String {
+    format!(
+        r#"{{ "vertices": [[-{r}, -{r}, {z}], [{r}, -{r}, {z}], [{r}, {r}, {z}], [-{r}, {r}, {z}]], {fill} }}"#
+    )
+}
+
+const RED: &str = r#""color": [200, 0, 0]"#;
+const BLUE: &str = r#""color": [0, 0, 200]"#;
+
+#[test]
+fn the_nearest_polygon_covers_its_pixels() {
+    let folder = Folder::new();
+    // 10 pixels a unit about (20, 15): the red square covers 10..30 × 5..25, the blue one above it 15..25 × 10..20.
+    let polygons = [square(0.5, 1.0, BLUE), square(1.0, 0.0, RED)].join(",");
+    let rest = r#", "background": [9, 8, 7]"#;
+    folder.write("scene.json", scene("", &polygons, &map_view(40, 30), rest));
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    assert!(run.stderr.contains("2 polygons drawn, 0 culled, 0 out of view, 0 left out"));
+    let view = folder.picture("view.png");
+    assert_eq!((view.width, view.height, view.channels), (40, 30, 3));
+    for y in 0..30 {
+        for x in 0..40 {
+            let expected: &[u8] = match (x, y) {
+                (15..25, 10..20) => &[0, 0, 200],
+                (10..30, 5..25) => &[200, 0, 0],
+                _ => &[9, 8, 7],
+            };
+            assert_eq!(pixel(&view, x, y), expected, "({x}, {y})");
+        }
+    }
+}
+
+#[test]
+fn a_photograph_comes_back_from_the_polygon_it_is_projected_on() {
+    let folder = Folder::new();
+    folder.draw("down.png", [40, 30], label);
+    folder.write("down.json", document("camera", &vertical(40, 30, "")));
+    let photographs =
+        r#""photographs": [{ "name": "down", "image": "down.png", "camera": "down.json" }],"#;
+    let ground = square(9.0, 0.0, r#""photograph": "down""#);
+    // A map view of 50 × 40 pixels at the photograph's scale: 5 pixels of margin to each side.
+    let rest = r#", "filter": "nearest", "background": [1, 2, 3]"#;
+    folder.write("scene.json", scene(photographs, &ground, &map_view(50, 40), rest));
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let view = folder.picture("view.png");
+    for y in 0..40 {
+        for x in 0..50 {
+            let inside = (5..45).contains(&x) && (5..35).contains(&y);
+            let expected = if inside { label(x - 5, y - 5) } else { [1, 2, 3] };
+            assert_eq!(pixel(&view, x, y), expected, "({x}, {y})");
+        }
+    }
+}
+
+#[test]
+fn a_photograph_is_looked_up_through_its_lens() {
+    let folder = Folder::new();
+    // Red is 2 x at the centre of pixel x, and bilinear interpolation reproduces the ramp: red = 2 (u − ½).
+    folder.draw("down.png", [100, 80], |x, _| [(2 * x) as u8, 0, 0]);
+    folder.write("down.json", document("camera", &vertical(100, 80, r#", "k": [-0.5, 0, 0]"#)));
+    let photographs =
+        r#""photographs": [{ "name": "down", "image": "down.png", "camera": "down.json" }],"#;
+    let ground = square(9.0, 0.0, r#""photograph": "down""#);
+    folder.write("scene.json", scene(photographs, &ground, &map_view(80, 60), ""));
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let view = folder.picture("view.png");
+    for (x, y) in [(0, 0), (79, 0), (40, 30), (79, 59), (20, 50)] {
+        let (a, b) = ((f64::from(x) + 0.5 - 40.0) / 100.0, (f64::from(y) + 0.5 - 30.0) / 100.0);
+        let u = 50.0 + 100.0 * a * (1.0 - 0.5 * (a * a + b * b));
+        let red = f64::from(pixel(&view, x, y)[0]);
+        assert!((red - 2.0 * (u - 0.5)).abs() <= 0.51, "({x}, {y}): {red} at {u}");
+    }
+    // The lens moves the corner by 4.8 pixels; without it red would be 2 · (−39.5 + 49.5) = 20.
+    assert_eq!(pixel(&view, 0, 0)[0], 30);
+}
+
+#[test]
+fn a_texture_lies_where_its_coordinates_say() {
+    let folder = Folder::new();
+    folder.draw("brick.png", [10, 10], label);
+    // Half a texel a pixel, repeated: the square of 20 × 20 pixels shows texels 0..10, upside up.
+    let fill = r#""texture": "brick", "coordinates": [[5, 15], [15, 15], [15, 5], [5, 5]]"#;
+    let textures =
+        r#""textures": [{ "name": "brick", "image": "brick.png", "border": "repeat" }],"#;
+    let rest = r#", "filter": "nearest""#;
+    folder.write("scene.json", scene(textures, &square(1.0, 0.0, fill), &map_view(20, 20), rest));
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let view = folder.picture("view.png");
+    for y in 0..20 {
+        for x in 0..20 {
+            let expected = label((5 + x / 2) % 10, (5 + y / 2) % 10);
+            assert_eq!(pixel(&view, x, y), expected, "({x}, {y})");
+        }
+    }
+}
+
+/// A floor from depth 1 to depth 3 before a level eye one above it, its texture's row v = 100 (depth − 1), red = v.
+fn floor(folder: &Folder, vertices: &str, coordinates: &str, interpolation: &str) -> [u8; 3] {
+    folder.draw("rows.png", [8, 200], |_, y| [y as u8, 0, 0]);
+    let polygon = format!(
+        r#"{{ "name": "floor", "vertices": {vertices}, "texture": "rows", "coordinates": {coordinates} }}"#
+    );
+    let view = r#""width": 300, "height": 400,
+        "interior": { "model": "pinhole", "principal_distance": [300, 300], "principal_point": [150, 50] },
+        "exterior": { "projection_center": [0, 0, 1], "rotation_matrix": [[1, 0, 0], [0, 0, -1], [0, 1, 0]] }"#;
+    let textures = r#""textures": [{ "name": "rows", "image": "rows.png" }],"#;
+    let rest = format!(r#", "interpolation": "{interpolation}""#);
+    folder.write("scene.json", scene(textures, &polygon, view, &rest));
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    // The near edge is on line 350, the far one on 150: half way between is line 250, pixel 249 or 250.
+    pixel(&folder.picture("view.png"), 150, 250).try_into().unwrap()
+}
+
+#[test]
+fn interpolation_is_perspective_or_as_wrong_as_asked_for() {
+    let folder = Folder::new();
+    let quad = "[[-1, 1, 0], [1, 1, 0], [1, 3, 0], [-1, 3, 0]]";
+    let rows = "[[0, 0], [8, 0], [8, 200], [0, 200]]";
+    // Line 250.5 is depth 300/200.5, row 100 (300/200.5 − 1) = 49.6, whose centre is ½ further: red 49.1.
+    assert_eq!(floor(&folder, quad, rows, "perspective"), [49, 0, 0]);
+    // Half way on the screen is half way in the texture: 200 · (350 − 250.5)/200 − ½ = 99.
+    assert_eq!(floor(&folder, quad, rows, "linear"), [99, 0, 0]);
+    assert_eq!(floor(&folder, quad, rows, "bilinear"), [99, 0, 0]);
+    // A triangle has no bilinear interpolation.
+    let triangle = "[[-1, 1, 0], [1, 1, 0], [0, 3, 0]]";
+    assert_eq!(floor(&folder, triangle, "[[0, 0], [8, 0], [4, 200]]", "bilinear"), [99, 0, 0]);
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    assert!(
+        run.stderr.contains("polygons[0] `floor`: drawn linearly instead of bilinearly:"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn the_side_that_turns_away_is_culled_where_the_scene_says_so() {
+    let folder = Folder::new();
+    let away =
+        r#"{ "vertices": [[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [1, -1, 0]], "color": [200, 0, 0] }"#;
+    for (cull, red, said) in [
+        ("none", [200, 0, 0], "1 polygons drawn, 0 culled"),
+        ("back", [0; 3], "0 polygons drawn, 1 culled"),
+    ] {
+        let rest = format!(r#", "cull": "{cull}""#);
+        folder.write("scene.json", scene("", away, &map_view(20, 20), &rest));
+        let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+        assert_eq!(pixel(&folder.picture("view.png"), 10, 10), red);
+    }
+}
+
+#[test]
+fn a_polygon_that_cannot_be_drawn_is_named_and_left_out_or_an_error_with_strict() {
+    let folder = Folder::new();
+    folder.draw("down.png", [40, 30], label);
+    folder.write("down.json", document("camera", &vertical(40, 30, "")));
+    let photographs =
+        r#""photographs": [{ "name": "down", "image": "down.png", "camera": "down.json" }],"#;
+    // x = z/100 seen from above: its plane, extended, passes through the photograph's camera at (0, 0, 10) with the
+    // second vertices, x = (z − 10)/100.
+    let slant = r#"{ "name": "slant", "vertices": [[-0.1, -1, 0], [0, -1, 10], [0, 1, 10], [-0.1, 1, 0]],
+        "photograph": "down" }"#;
+    let polygons = [slant.to_owned(), square(0.5, 0.0, RED)].join(",");
+    folder.write("scene.json", scene(photographs, &polygons, &map_view(40, 30), ""));
+    folder.write("view.png", "old");
+    let strict = folder.run(&["render", "scene.json", "-o", "view.png", "--strict"]);
+    assert_eq!(strict.code, 1);
+    let reason = "scene.json: polygons[0] `slant`: photograph `down`: plane through the texture camera is degenerate";
+    assert!(strict.stderr.contains(reason), "{}", strict.stderr);
+    assert_eq!(folder.text("view.png"), "old");
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    assert!(
+        run.stderr.contains(reason) && run.stderr.contains("1 polygons drawn"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(pixel(&folder.picture("view.png"), 20, 17), [200, 0, 0]);
+}
+
+#[test]
+fn vertices_off_their_plane_are_told() {
+    let folder = Folder::new();
+    let bent = r#"{ "vertices": [[-1, -1, 0], [1, -1, 0.2], [1, 1, 0], [-1, 1, 0.2]], "color": [0, 90, 0] }"#;
+    folder.write("scene.json", scene("", bent, &map_view(20, 20), ""));
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.jpg"]);
+    // Two corners raised by 0.2 and two not: the best plane is 0.1 from each.
+    assert!(run.stderr.contains("vertices lie up to 1.000e-1 off it"), "{}", run.stderr);
+}
