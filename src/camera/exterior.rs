@@ -14,7 +14,22 @@ use crate::geometry::rotation::{self, OmegaPhiKappa};
 ///
 /// Camera axes: x right, y down, z forward. Other conventions enter by name: photogrammetric angles by
 /// [`from_omega_phi_kappa`](Self::from_omega_phi_kappa), a rotation and translation of computer vision by
-/// [`from_rotation_translation`](Self::from_rotation_translation).
+/// [`from_rotation_translation`](Self::from_rotation_translation). The centre is in world units, angles are radians.
+///
+/// *Accuracy.* The subtraction comes first: with a centre of 10⁶ m a point keeps its millimetres.
+///
+/// # Example
+/// OpenCV 5.0.0, `Rodrigues` of the rvec (0.1, −0.2, 0.3) and tvec (1, 2, 3), applied to (4, 5, 6):
+///
+/// ```
+/// use collinear::camera::ExteriorOrientation;
+/// use nalgebra::{Point3, Rotation3, Vector3};
+///
+/// let rotation = Rotation3::from_scaled_axis(Vector3::new(0.1, -0.2, 0.3));
+/// let e = ExteriorOrientation::from_rotation_translation(rotation, Vector3::new(1.0, 2.0, 3.0));
+/// let p = e.pose().apply(&Point3::new(4.0, 5.0, 6.0));
+/// assert!((p - Point3::new(2.145115185932103, 7.12155548228497, 10.032665259545945)).norm() < 1e-14);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("extrinsics", "camera pose", "view matrix"))]
 pub struct ExteriorOrientation {

@@ -70,6 +70,14 @@ pub const fn camera_from_photo() -> Rotation3<f64> {
 }
 
 /// From east-north-up axes into north-east-down. It is its own inverse.
+///
+/// ```
+/// use collinear::geometry::rotation::ned_from_enu;
+/// use collinear::nalgebra::Vector3;
+///
+/// // North and up.
+/// assert_eq!(ned_from_enu() * Vector3::new(0.0, 1.0, 2.0), Vector3::new(1.0, 0.0, -2.0));
+/// ```
 #[must_use]
 #[doc(alias = "enu_from_ned")]
 pub const fn ned_from_enu() -> Rotation3<f64> {
@@ -101,6 +109,14 @@ pub const fn nadir_camera_from_body() -> Rotation3<f64> {
 
 /// The mounting of a camera that looks forward along the nose, the top of the image upwards, as a gimbal's at pitch 0:
 /// from body axes (x forward, y right, z down) into camera axes.
+///
+/// ```
+/// use collinear::geometry::rotation::forward_camera_from_body;
+/// use collinear::nalgebra::Vector3;
+///
+/// // 1 forward, 2 right, 3 down.
+/// assert_eq!(forward_camera_from_body() * Vector3::new(1.0, 2.0, 3.0), Vector3::new(2.0, 3.0, 1.0));
+/// ```
 #[must_use]
 pub const fn forward_camera_from_body() -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0))

@@ -148,6 +148,24 @@ impl Bilinear {
 /// screen.
 ///
 /// Straight lines of the screen become hyperbolas in the texture.
+///
+/// *Domain and errors.* As [`Bilinear::roots`]: of two texture points that a screen point can show, the one inside the
+/// square.
+///
+/// # Example
+/// A trapezoid with the values of a published test of inverse bilinear elements (square [−1, 1]², corners in turn; here
+/// the square is [0, 1]²):
+///
+/// ```
+/// use collinear::mapping::{Map, polynomial::Bilinear};
+/// use nalgebra::Point2;
+///
+/// let quad = [(1.0, 2.0), (0.0, 1.0), (0.0, 0.0), (1.0, -1.0)].map(|(x, y)| Point2::new(x, y));
+/// let map = Bilinear::from_quad(&quad)?.inverted();
+/// assert!((map.at(&Point2::new(0.75, 1.125))? - Point2::new(0.25, 0.25)).norm() < 1e-15);
+/// assert!((map.at(&Point2::new(0.25, 0.125))? - Point2::new(0.75, 0.75)).norm() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseBilinear(Bilinear);
 
