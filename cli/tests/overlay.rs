@@ -1,6 +1,5 @@
 //! `collinear overlay`.
 
-use collinear::camera::SensorModel;
 use collinear::nalgebra::Point3;
 use collinear_cli::overlay::{Figure, Overlay};
 use collinear_io::Document;
