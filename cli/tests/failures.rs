@@ -278,3 +278,81 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
         assert_eq!(folder.files(), before, "{arguments:?}");
     }
 }
+
+#[test]
+fn no_number_makes_a_command_panic() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [40, 30], label);
+    let numbers = ["1e300", "-1e300", "5e-324", "0"];
+    let mut codes = [0, 0];
+    let mut run = |arguments: &[&str]| {
+        let run = folder.run(arguments);
+        assert!((0..=1).contains(&run.code), "{arguments:?}: {} {}", run.code, run.stderr);
+        codes[run.code as usize] += 1;
+    };
+    let polygon = r#"{ "vertices": [[-1, -1, 0], [1, -1, 0], [N, 1, 0], [-1, 1, 0]], "photograph": "p" },
+        { "vertices": [[-1, -1, 0], [1, -1, 0], [1, 1, N]], "color": [1, 2, 3] }"#;
+    for n in numbers {
+        // A number in the camera, in the world, and in the plane.
+        for (camera, rest) in [
+            (vertical(40, 30, "").replace("[100, 100]", &format!("[{n}, {n}]")), "1"),
+            (vertical(40, 30, "").replace("[0, 0, 10]", &format!("[{n}, 0, 10]")), "1"),
+            (vertical(40, 30, &format!(r#", "k": [{n}, 0, {n}]"#)), "1"),
+            (vertical(40, 30, r#", "k": [-0.2, 0, 0]"#), n),
+        ] {
+            folder.write("camera.json", document("camera", &camera));
+            let photographs = r#""photographs": [{ "name": "p", "image": "photo.png", "camera": "camera.json" }]"#;
+            let polygons = polygon.replace('N', rest);
+            let view = if camera.contains("brown") { map_view(20, 20) } else { camera.clone() };
+            let scene = format!(r#"{photographs}, "polygons": [{polygons}], "view": {{ {view} }}"#);
+            folder.write("scene.json", document("scene", &scene));
+            folder.write("mesh.obj", format!("v {rest} 0 0\nv 0 1 {rest}\nv -1 0 0\nf 1 2 3\n"));
+            folder.write("points.csv", format!("{rest},0,0\n0,0,{rest}\n"));
+            folder.write("clicks.csv", format!("{rest},0\n20,{rest}\n"));
+            let rectangle = format!(
+                r#", "rectangle": {{ "left": -1, "bottom": -1, "right": {rest}, "top": 1 }}"#
+            );
+            folder.write("plane.json", ground(&rectangle)).write("open.json", ground(""));
+            let with_camera = ["--camera", "camera.json"];
+            run(&["render", "scene.json", "-o", "out.png"]);
+            run(&[
+                &[
+                    "rectify",
+                    "photo.png",
+                    "--plane",
+                    "plane.json",
+                    "--size",
+                    "8x8",
+                    "-o",
+                    "out.png",
+                ],
+                &with_camera[..],
+            ]
+            .concat());
+            run(&[
+                &["rectify", "photo.png", "--plane", "open.json", "--gsd", "1", "-o", "out.png"],
+                &with_camera[..],
+            ]
+            .concat());
+            run(&[&["project", "points.csv"], &with_camera[..]].concat());
+            run(&[
+                &["project", "--inverse", "--plane", "open.json", "clicks.csv"],
+                &with_camera[..],
+            ]
+            .concat());
+            run(&[
+                &["overlay", "photo.png", "--mesh", "mesh.obj", "-o", "out.png"],
+                &with_camera[..],
+            ]
+            .concat());
+            run(&[
+                &["overlay", "photo.png", "--scene", "scene.json", "-o", "out.svg"],
+                &with_camera[..],
+            ]
+            .concat());
+        }
+        let quad = format!("{n},0 30,1 29,20 2,{n}");
+        run(&["rectify", "photo.png", "--quad", &quad, "--size", "8x8", "-o", "out.png"]);
+    }
+    assert!(codes.iter().all(|c| *c > 15), "{codes:?}");
+}

@@ -1,12 +1,11 @@
 //! `collinear overlay`.
 
-use collinear::camera::SensorModel;
 use collinear::nalgebra::Point3;
 use collinear_cli::overlay::{Figure, Overlay};
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 
-use crate::support::{Folder, document, ground, pixel, vertical};
+use crate::support::{Folder, document, ground, map_view, pixel, vertical};
 
 const GREY: [u8; 3] = [100, 100, 100];
 
@@ -189,4 +188,17 @@ fn a_line_through_a_lens_is_right_to_a_tenth_of_a_pixel() {
         assert!(seen > 10_000 && worst < 0.1, "{lens}: {worst} at {seen} points");
         assert!(line.len() < 60, "{} pieces", line.len());
     }
+}
+
+#[test]
+fn lines_over_a_map_end_a_tenth_beyond_it() {
+    let folder = folder("");
+    folder.write("camera.json", document("camera", &map_view(400, 300)));
+    // 10 pixels a unit about (200, 150). The second line passes above the map.
+    let mesh =
+        "v -100 1 0\nv 100 1 9\nl 1 2\nv -100 40 0\nv 100 40 0\nl 3 4\nv 1 1 0\nv 2 2 0\nl 5 6\n";
+    folder.write("mesh.obj", mesh);
+    folder.succeed(&overlay(&["--mesh", "mesh.obj", "-o", "out.svg"]));
+    let lines = paths(&folder.text("out.svg")).concat();
+    assert_eq!(lines, [[[-40.0, 140.0], [440.0, 140.0]], [[210.0, 140.0], [220.0, 130.0]]]);
 }

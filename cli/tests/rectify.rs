@@ -1,6 +1,7 @@
 //! `collinear rectify`.
 
-use crate::support::{Folder, document, ground, label, pixel, vertical};
+use crate::support::{Folder, document, ground, label, map_view, pixel, vertical};
+use collinear_io::picture::{Picture, write_picture};
 
 fn with_photograph(size: [u32; 2], lens: &str) -> Folder {
     let folder = Folder::new();
@@ -73,12 +74,12 @@ fn up_and_the_normal_turn_the_picture() {
 
 #[test]
 fn without_a_rectangle_all_that_the_photograph_shows_is_drawn() {
-    let folder = with_photograph([40, 30], "");
+    let folder = with_photograph([40, 90], "");
     folder.write("plane.json", ground(""));
     let more =
         ["--gsd", "0.1", "--filter", "nearest", "--border", "constant:0,0,0", "-o", "out.png"];
     let run = folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
-    assert!(run.stderr.contains("40 × 30 pixels from -2, -1.5 to 2, 1.5"), "{}", run.stderr);
+    assert!(run.stderr.contains("40 × 90 pixels from -2, -4.5 to 2, 4.5"), "{}", run.stderr);
     assert_eq!(folder.picture("out.png"), folder.picture("photo.png"));
 }
 
@@ -214,4 +215,51 @@ fn the_border_is_as_asked_for() {
     let more = ["--size", "50x30", "--border", "transparent", "-o", "out.jpg"];
     let run = folder.run(&[&rectify(&CAMERA)[..], &more].concat());
     assert_eq!(run.code, 2, "{}", run.stderr);
+}
+
+#[test]
+fn grey_stays_grey_unless_the_border_has_a_colour() {
+    let folder = Folder::new();
+    folder.write("camera.json", document("camera", &vertical(2, 1, "")));
+    // Pixels of 0.1: one beyond the photograph on each side.
+    folder.write(
+        "plane.json",
+        ground(r#", "rectangle": { "left": -0.2, "bottom": -0.05, "right": 0.2, "top": 0.05 }"#),
+    );
+    let scale = ["--size", "4x1", "--filter", "nearest", "-o", "out.png"];
+    for (channels, data) in [(1, vec![10, 20]), (2, vec![10, 7, 20, 7])] {
+        let grey = Picture { width: 2, height: 1, channels, data, orientation: 1 };
+        write_picture(&folder.path("photo.png"), &grey).unwrap();
+        let cases: [(&[&str], u8, &[u8]); 3] = [
+            (&[], 2, &[0, 0, 10, 255, 20, 255, 0, 0]),
+            (&["--border", "constant:5,5,5"], 1, &[5, 10, 20, 5]),
+            (&["--border", "constant:5,6,5"], 3, &[5, 6, 5, 10, 10, 10, 20, 20, 20, 5, 6, 5]),
+        ];
+        for (border, channels, expected) in cases {
+            folder.succeed(&[&rectify(&CAMERA)[..], &scale, border].concat());
+            let out = folder.picture("out.png");
+            assert_eq!((out.channels, out.data.as_slice()), (channels, expected), "{border:?}");
+        }
+    }
+}
+
+#[test]
+fn a_map_is_a_photograph_too() {
+    let folder = with_photograph([40, 30], "");
+    folder.write("camera.json", document("camera", &map_view(40, 30)));
+    // Ten units up, which a parallel projection does not see: 0.1 a pixel all the same.
+    let plane = |normal: i32| {
+        let rectangle = r#""rectangle": { "left": -1, "bottom": -1, "right": 1, "top": 1 }"#;
+        let normal = format!(r#""point": [0, 0, 10], "normal": [0, 0, {normal}], {rectangle}"#);
+        document("plane", &normal)
+    };
+    let more = ["--size", "20x20", "--filter", "nearest", "-o", "out.png"];
+    folder.write("plane.json", plane(1));
+    let run = folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    assert!(!run.stderr.contains("exchanged"), "{}", run.stderr);
+    let [r, g, b] = label(10, 5);
+    assert_eq!(pixel(&folder.picture("out.png"), 0, 0), [r, g, b, 255]);
+    folder.write("plane.json", plane(-1));
+    let run = folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    assert!(run.stderr.contains("left and right are exchanged"), "{}", run.stderr);
 }

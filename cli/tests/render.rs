@@ -91,7 +91,8 @@ fn a_texture_lies_where_its_coordinates_say() {
     let folder = Folder::new();
     folder.draw("brick.png", [10, 10], label);
     // Half a texel a pixel, repeated: the square of 20 × 20 pixels shows texels 0..10, upside up.
-    let fill = r#""texture": "brick", "coordinates": [[5, 15], [15, 15], [15, 5], [5, 5]]"#;
+    // The coordinates are homogeneous: (5, 15), (15, 15), (15, 5), (5, 5).
+    let fill = r#""texture": "brick", "coordinates": [[10, 30, 2], [30, 30, 2], [30, 10, 2], [10, 10, 2]]"#;
     let textures =
         r#""textures": [{ "name": "brick", "image": "brick.png", "border": "repeat" }],"#;
     let rest = r#", "filter": "nearest""#;

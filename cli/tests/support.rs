@@ -8,36 +8,41 @@ use collinear_io::picture::{Picture, read_picture, write_picture};
 use tempfile::TempDir;
 
 /// A temporary folder.
-pub struct Folder(TempDir);
+pub(crate) struct Folder(TempDir);
 
 /// What a run of the program said.
 #[derive(Debug)]
-pub struct Run {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Run {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl Folder {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
         fs::write(self.path(name), content).unwrap();
         self
     }
 
-    pub fn text(&self, name: &str) -> String {
+    pub(crate) fn text(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
     /// A colour picture of a function of the pixel.
-    pub fn draw(&self, name: &str, [w, h]: [u32; 2], f: impl Fn(u32, u32) -> [u8; 3]) -> &Self {
+    pub(crate) fn draw(
+        &self,
+        name: &str,
+        [w, h]: [u32; 2],
+        f: impl Fn(u32, u32) -> [u8; 3],
+    ) -> &Self {
         let data = (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).flat_map(|(x, y)| f(x, y));
         let picture =
             Picture { width: w, height: h, channels: 3, data: data.collect(), orientation: 1 };
@@ -45,12 +50,12 @@ impl Folder {
         self
     }
 
-    pub fn picture(&self, name: &str) -> Picture {
+    pub(crate) fn picture(&self, name: &str) -> Picture {
         read_picture(&self.path(name)).unwrap()
     }
 
     /// Runs the program in this folder.
-    pub fn run(&self, arguments: &[&str]) -> Run {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Run {
         let output = Command::new(env!("CARGO_BIN_EXE_collinear"))
             .args(arguments)
             .current_dir(self.0.path())
@@ -65,14 +70,14 @@ impl Folder {
     }
 
     /// Runs the program and expects it to succeed.
-    pub fn succeed(&self, arguments: &[&str]) -> Run {
+    pub(crate) fn succeed(&self, arguments: &[&str]) -> Run {
         let run = self.run(arguments);
         assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
         run
     }
 
     /// The names of the files in it, sorted.
-    pub fn files(&self) -> Vec<String> {
+    pub(crate) fn files(&self) -> Vec<String> {
         let name = |p: &Path| p.file_name().unwrap().to_string_lossy().into_owned();
         let mut names: Vec<_> =
             fs::read_dir(self.0.path()).unwrap().map(|e| name(&e.unwrap().path())).collect();
@@ -82,20 +87,20 @@ impl Folder {
 }
 
 /// The samples of a pixel.
-pub fn pixel(picture: &Picture, x: u32, y: u32) -> &[u8] {
+pub(crate) fn pixel(picture: &Picture, x: u32, y: u32) -> &[u8] {
     let channels = usize::from(picture.channels);
     let at = (y * picture.width + x) as usize * channels;
     &picture.data[at..at + channels]
 }
 
 /// A different colour for each pixel of a small picture.
-pub fn label(x: u32, y: u32) -> [u8; 3] {
+pub(crate) fn label(x: u32, y: u32) -> [u8; 3] {
     [(5 * x) as u8, (6 * y) as u8, (37 * x + 91 * y) as u8]
 }
 
 /// A camera 10 above the origin that looks straight down, north up, f = 100 pixels: a pixel is 0.1 on the ground, and the
 /// picture of width × height shows ±width/20 × ±height/20.
-pub fn vertical(width: u32, height: u32, lens: &str) -> String {
+pub(crate) fn vertical(width: u32, height: u32, lens: &str) -> String {
     let model = if lens.is_empty() { "pinhole" } else { "brown" };
     format!(
         r#""width": {width}, "height": {height},
@@ -108,7 +113,7 @@ pub fn vertical(width: u32, height: u32, lens: &str) -> String {
 }
 
 /// A parallel view straight down, north up, 10 pixels a unit, the origin in its middle.
-pub fn map_view(width: u32, height: u32) -> String {
+pub(crate) fn map_view(width: u32, height: u32) -> String {
     format!(
         r#""width": {width}, "height": {height},
         "interior": {{ "model": "orthographic", "pixels_per_unit": [10, 10], "principal_point": [{}, {}] }},
@@ -119,11 +124,11 @@ pub fn map_view(width: u32, height: u32) -> String {
 }
 
 /// A file of a kind.
-pub fn document(kind: &str, fields: &str) -> String {
+pub(crate) fn document(kind: &str, fields: &str) -> String {
     format!(r#"{{ "collinear": "{kind}", "version": 1, {fields} }}"#)
 }
 
 /// The ground, z = 0, with a rectangle or without.
-pub fn ground(rectangle: &str) -> String {
+pub(crate) fn ground(rectangle: &str) -> String {
     document("plane", &format!(r#""point": [0, 0, 0], "normal": [0, 0, 1]{rectangle}"#))
 }

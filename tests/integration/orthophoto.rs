@@ -9,6 +9,7 @@ use collinear::geometry::{Affine2, Plane};
 use collinear::mapping::{Composed, FractionalLinear, Map, PhotographMap, UndistortMap};
 use collinear::nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 use collinear::resample::{Border, Filter, ImageView, ImageViewMut, warp};
+use collinear::texturer::{Canvas, Paint, ScreenPolygon};
 use proptest::prelude::*;
 
 /// The orthophoto's side in pixels.
@@ -74,7 +75,11 @@ fn error(found: &[f32], expected: &[f32]) -> (f64, f64) {
 }
 
 /// Orthophoto → view → orthophoto: coordinates to 1e-6 pixel at a grid of points, and the mean squared error of values.
-fn there_and_back(view: &dyn Map, back: &dyn Map) -> (f64, f64, f64) {
+fn there_and_back(
+    view: &dyn Map,
+    back: &dyn Map,
+    draw: impl Fn(ImageView<'_, f32, 1>, ImageViewMut<'_, f32, 1>),
+) -> (f64, f64, f64) {
     let mut worst = 0.0_f64;
     for i in 0..=16 {
         for j in 0..=16 {
@@ -89,8 +94,7 @@ fn there_and_back(view: &dyn Map, back: &dyn Map) -> (f64, f64, f64) {
     let orthophoto = ImageView::<f32, 1>::new(&picture, SIDE, SIDE).unwrap();
     let [width, height] = VIEW;
     let mut seen = vec![f32::NAN; width * height];
-    let mut target = ImageViewMut::<f32, 1>::new(&mut seen, width, height).unwrap();
-    warp(orthophoto, view, Filter::Bilinear, Border::Clamp, &mut target);
+    draw(orthophoto, ImageViewMut::new(&mut seen, width, height).unwrap());
     let mut rectified = vec![f32::NAN; SIDE * SIDE];
     let mut target = ImageViewMut::<f32, 1>::new(&mut rectified, SIDE, SIDE).unwrap();
     let seen = ImageView::<f32, 1>::new(&seen, width, height).unwrap();
@@ -116,7 +120,19 @@ proptest! {
         let ideal = Frame::new(exterior, interior());
         let render = FractionalLinear::from_plane(&plane, &map, &ideal.homogeneous()).unwrap();
         let rectify = FractionalLinear::from_plane(&plane, &ideal.homogeneous(), &map).unwrap();
-        let (worst, mean_squared, covered) = there_and_back(&render, &rectify);
+        // The texturer draws a square that is larger than the orthophoto by a fifth, its edge repeated.
+        let half = 0.6 * SIDE as f64 * gsd;
+        let square = [[-half, -half], [half, -half], [half, half], [-half, half]]
+            .map(|[x, y]| origin + turn * Vector3::new(x, y, 0.0));
+        let screen = ideal.homogeneous();
+        let draw = |image: ImageView<'_, f32, 1>, target: ImageViewMut<'_, f32, 1>| {
+            let outline = ScreenPolygon::project(&square, &screen, 1e-3 * gsd).unwrap();
+            let (filter, border) = (Filter::Bilinear, Border::Clamp);
+            let paint = Paint::Texture { image, map: &render, filter, border };
+            let nearness = screen.nearness(&plane).unwrap();
+            Canvas::new(target).draw(&outline, nearness, &paint).unwrap();
+        };
+        let (worst, mean_squared, covered) = there_and_back(&render, &rectify, draw);
         prop_assert!(worst < 1e-6, "{worst} px");
         let psnr = -10.0 * mean_squared.log10();
         prop_assert!(covered == 1.0 && psnr > PSNR, "{psnr} dB over {covered}");
@@ -125,7 +141,10 @@ proptest! {
         let lens = BrownCamera::new(interior(), Brown::new([k1, 0.01, 0.0], [p1, -p1]).unwrap());
         let render = Composed { outer: render, inner: UndistortMap::new(lens) };
         let rectify = PhotographMap::from_plane(&plane, &Frame::new(exterior, lens), &map).unwrap();
-        let (worst, mean_squared, covered) = there_and_back(&render, &rectify);
+        let draw = |image: ImageView<'_, f32, 1>, mut target: ImageViewMut<'_, f32, 1>| {
+            warp(image, &render, Filter::Bilinear, Border::Clamp, &mut target);
+        };
+        let (worst, mean_squared, covered) = there_and_back(&render, &rectify, draw);
         prop_assert!(worst < 1e-6, "{worst} px through the lens");
         let psnr = -10.0 * mean_squared.log10();
         prop_assert!(covered == 1.0 && psnr > PSNR, "{psnr} dB over {covered} through the lens");

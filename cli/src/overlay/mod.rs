@@ -1,4 +1,4 @@
-//! Wire frames over the photograph they were measured in ([WD] figure 8b).
+//! Wire frames over the photograph they were measured in (Weinhaus & Devarajan 1997, figure 8b).
 
 mod lines;
 mod obj;

@@ -24,7 +24,7 @@ impl Overlay {
     /// units are the photograph's pixels. The photograph is shown in its file's own rows and columns.
     #[must_use]
     pub fn to_svg(&self, photograph: Photograph<'_>, line_width: f64, names: bool) -> String {
-        let Self { width, height, drawings } = self;
+        let Self { width, height, .. } = self;
         let mut svg = String::new();
         // Writing to a string cannot fail.
         let _ = writeln!(
