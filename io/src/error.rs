@@ -318,10 +318,12 @@ pub enum LineProblem {
         expected: usize,
     },
     /// A header without the columns that are needed.
-    #[error("the header is `{header}`, expected the columns X, Y, Z, and perhaps id, x, y, note")]
+    #[error("the header is `{header}`, expected the columns {expected}")]
     Header {
         /// The header.
         header: String,
+        /// The columns that are needed, in words.
+        expected: &'static str,
     },
     /// A header that names a column twice.
     #[error("the column `{name}` stands there twice")]

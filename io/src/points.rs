@@ -50,6 +50,52 @@ pub fn read_points(path: &Path) -> Result<Vec<PointRow>, Error> {
 /// # Errors
 /// As [`read_points`].
 pub fn parse_points(text: &str) -> Result<Vec<PointRow>, Error> {
+    table(text, Columns::without_header, Columns::named, Columns::row)
+}
+
+/// A measured point of a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImagePointRow {
+    /// Its name.
+    pub id: Option<String>,
+    /// x, y in the picture, pixels.
+    pub image: [f64; 2],
+}
+
+/// Reads a list of image points: the columns `x`, `y` and perhaps `id` by name, or without a header x and y, or a name
+/// and these. Lines without x and y are passed over, as those of points that have no image.
+///
+/// # Errors
+/// As [`read_points`].
+pub fn read_image_points(path: &Path) -> Result<Vec<ImagePointRow>, Error> {
+    read_text(path).and_then(|text| parse_image_points(&text)).map_err(|e| e.in_file(path))
+}
+
+/// As [`read_image_points`], from text.
+///
+/// ```
+/// use collinear_io::points::parse_image_points;
+///
+/// let rows = parse_image_points("id,X,Y,Z,x,y\nchurch,1,2,3,10.5,20.5\nwell,4,5,6,,\n")?;
+/// assert_eq!(rows.len(), 1);
+/// assert_eq!(rows[0].image, [10.5, 20.5]);
+/// # Ok::<(), collinear_io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`read_points`].
+pub fn parse_image_points(text: &str) -> Result<Vec<ImagePointRow>, Error> {
+    let rows = table(text, ImageColumns::without_header, ImageColumns::named, ImageColumns::row)?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// Reads a table whose columns are known by their header, or by the fields of its first line.
+fn table<C, R>(
+    text: &str,
+    without_header: impl Fn(&[String]) -> Option<C>,
+    named: impl Fn(usize, &[String]) -> Result<C, Error>,
+    row: impl Fn(&C, usize, &[String]) -> Result<R, Error>,
+) -> Result<Vec<R>, Error> {
     let mut lines = text
         .lines()
         .enumerate()
@@ -59,14 +105,14 @@ pub fn parse_points(text: &str) -> Result<Vec<PointRow>, Error> {
     let Some((number, first)) = lines.peek().copied() else { return Ok(Vec::new()) };
     let separator = Separator::of(first);
     let fields = separator.split(number, first)?;
-    let columns = match Columns::without_header(&fields) {
+    let columns = match without_header(&fields) {
         Some(columns) => columns,
         None => {
             lines.next();
-            Columns::named(number, &fields)?
+            named(number, &fields)?
         }
     };
-    lines.map(|(number, line)| columns.row(number, &separator.split(number, line)?)).collect()
+    lines.map(|(number, line)| row(&columns, number, &separator.split(number, line)?)).collect()
 }
 
 /// Writes a list of points with a header, atomically. The columns `id`, `x` and `y`, and `note` are there where a row
@@ -125,8 +171,9 @@ fn finite(row: usize, field: &str, values: &[f64]) -> Result<(), FieldError> {
     crate::check::finite(&format!("[{row}].{field}"), values)
 }
 
-/// A field as CSV has it. A line break inside would end the line for this reader, so it becomes a space.
-fn quoted(text: &str) -> String {
+/// A text as a field of a CSV line. A line break inside would end the line for this reader, so it becomes a space.
+#[must_use]
+pub fn quoted(text: &str) -> String {
     let line = text.replace(['\n', '\r'], " ");
     let plain =
         !line.contains([',', ';', '\t', '"']) && line.trim() == line && !line.starts_with('#');
@@ -209,18 +256,7 @@ impl Columns {
     }
 
     fn named(line: usize, header: &[String]) -> Result<Self, Error> {
-        let find = |name: &str| -> Result<Option<usize>, Error> {
-            let mut places = header.iter().enumerate().filter(|(_, h)| *h == name).map(|(i, _)| i);
-            let place = places.next();
-            match places.next() {
-                Some(twice) => Err(at(
-                    line,
-                    Some(twice + 1),
-                    LineProblem::DuplicateColumn { name: name.into() },
-                )),
-                None => Ok(place),
-            }
-        };
+        let find = |name: &str| find(line, header, name);
         let (x, y) = (find("x")?, find("y")?);
         let (world, image) = match (find("X")?, find("Y")?, find("Z")?) {
             (Some(wx), Some(wy), Some(wz)) => match (x, y) {
@@ -238,41 +274,119 @@ impl Columns {
     }
 
     fn row(&self, line: usize, fields: &[String]) -> Result<PointRow, Error> {
-        if fields.len() != self.count {
-            let problem = LineProblem::FieldCount { found: fields.len(), expected: self.count };
-            return Err(at(line, None, problem));
-        }
-        let text = |place: usize| fields.get(place).map_or("", String::as_str);
-        let number = |place: usize, name: &str| match text(place).parse::<f64>() {
-            Ok(v) if v.is_finite() => Ok(v),
-            _ => {
-                let problem =
-                    LineProblem::NotANumber { name: name.into(), text: text(place).to_owned() };
-                Err(at(line, Some(place + 1), problem))
-            }
-        };
-        let named =
-            |place: Option<usize>| place.map(text).filter(|t| !t.is_empty()).map(ToOwned::to_owned);
+        let line = Line::new(line, fields, self.count)?;
         let [wx, wy, wz] = self.world;
         let image = match self.image {
-            Some([x, y]) => match (text(x).is_empty(), text(y).is_empty()) {
-                (true, true) => None,
-                (false, false) => Some([number(x, "x")?, number(y, "y")?]),
-                _ => return Err(at(line, None, LineProblem::HalfAnImagePoint)),
-            },
+            Some(places) => line.image(places)?,
             None => None,
         };
         Ok(PointRow {
-            id: named(self.id),
-            world: [number(wx, "X")?, number(wy, "Y")?, number(wz, "Z")?],
+            id: line.named(self.id),
+            world: [line.value(wx, "X")?, line.value(wy, "Y")?, line.value(wz, "Z")?],
             image,
-            note: named(self.note),
+            note: line.named(self.note),
         })
     }
 }
 
+/// Where in a line of image points each value stands, from 0.
+struct ImageColumns {
+    count: usize,
+    id: Option<usize>,
+    image: [usize; 2],
+}
+
+impl ImageColumns {
+    /// Two numbers, or a name and two numbers.
+    fn without_header(fields: &[String]) -> Option<Self> {
+        let start = fields.len().checked_sub(2).filter(|s| *s <= 1)?;
+        let numbers = fields.iter().skip(start).all(|f| f.parse::<f64>().is_ok());
+        numbers.then_some(Self {
+            count: fields.len(),
+            id: (start == 1).then_some(0),
+            image: [start, start + 1],
+        })
+    }
+
+    fn named(line: usize, header: &[String]) -> Result<Self, Error> {
+        match (find(line, header, "x")?, find(line, header, "y")?) {
+            (Some(x), Some(y)) => {
+                Ok(Self { count: header.len(), id: find(line, header, "id")?, image: [x, y] })
+            }
+            _ => {
+                let (header, expected) = (header.join(" "), "x, y, and perhaps id");
+                Err(at(line, None, LineProblem::Header { header, expected }))
+            }
+        }
+    }
+
+    fn row(&self, line: usize, fields: &[String]) -> Result<Option<ImagePointRow>, Error> {
+        let line = Line::new(line, fields, self.count)?;
+        let image = line.image(self.image)?;
+        Ok(image.map(|image| ImagePointRow { id: line.named(self.id), image }))
+    }
+}
+
+/// The place of a column in the header, from 0.
+fn find(line: usize, header: &[String], name: &str) -> Result<Option<usize>, Error> {
+    let mut places = header.iter().enumerate().filter(|(_, h)| *h == name).map(|(i, _)| i);
+    let place = places.next();
+    match places.next() {
+        Some(twice) => {
+            Err(at(line, Some(twice + 1), LineProblem::DuplicateColumn { name: name.into() }))
+        }
+        None => Ok(place),
+    }
+}
+
+/// A line's fields and its number.
+struct Line<'a> {
+    number: usize,
+    fields: &'a [String],
+}
+
+impl<'a> Line<'a> {
+    fn new(number: usize, fields: &'a [String], expected: usize) -> Result<Self, Error> {
+        let found = fields.len();
+        if found == expected {
+            Ok(Self { number, fields })
+        } else {
+            Err(at(number, None, LineProblem::FieldCount { found, expected }))
+        }
+    }
+
+    fn text(&self, place: usize) -> &'a str {
+        self.fields.get(place).map_or("", String::as_str)
+    }
+
+    fn named(&self, place: Option<usize>) -> Option<String> {
+        place.map(|p| self.text(p)).filter(|t| !t.is_empty()).map(ToOwned::to_owned)
+    }
+
+    fn value(&self, place: usize, name: &str) -> Result<f64, Error> {
+        let text = self.text(place);
+        match text.parse::<f64>() {
+            Ok(v) if v.is_finite() => Ok(v),
+            _ => {
+                let problem = LineProblem::NotANumber { name: name.into(), text: text.to_owned() };
+                Err(at(self.number, Some(place + 1), problem))
+            }
+        }
+    }
+
+    /// Both coordinates, or neither.
+    fn image(&self, [x, y]: [usize; 2]) -> Result<Option<[f64; 2]>, Error> {
+        match (self.text(x).is_empty(), self.text(y).is_empty()) {
+            (true, true) => Ok(None),
+            (false, false) => Ok(Some([self.value(x, "x")?, self.value(y, "y")?])),
+            _ => Err(at(self.number, None, LineProblem::HalfAnImagePoint)),
+        }
+    }
+}
+
 fn bad_header(line: usize, header: &[String]) -> Error {
-    at(line, None, LineProblem::Header { header: header.join(" ") })
+    let expected = "X, Y, Z, and perhaps id, x, y, note";
+    at(line, None, LineProblem::Header { header: header.join(" "), expected })
 }
 
 fn at(line: usize, column: Option<usize>, problem: LineProblem) -> Error {

@@ -1,6 +1,9 @@
 //! Lists of points.
 
-use collinear_io::points::{PointRow, format_points, parse_points, read_points, write_points};
+use collinear_io::points::{
+    ImagePointRow, PointRow, format_points, parse_image_points, parse_points, read_points,
+    write_points,
+};
 use proptest::prelude::*;
 
 fn world(text: &str) -> Vec<[f64; 3]> {
@@ -123,5 +126,31 @@ proptest! {
     ), 0..6)) {
         let rows: Vec<PointRow> = rows.into_iter().map(|(id, world, image, note)| PointRow { id, world, image, note }).collect();
         prop_assert_eq!(parse_points(&format_points(&rows).unwrap()).unwrap(), rows);
+    }
+}
+
+#[test]
+fn image_points_are_read_with_and_without_a_header() {
+    let row = |id: Option<&str>, image| ImagePointRow { id: id.map(Into::into), image };
+    for (text, expected) in [
+        ("1,2\n3,4\n", vec![row(None, [1.0, 2.0]), row(None, [3.0, 4.0])]),
+        ("a 1 2\nb 3 4", vec![row(Some("a"), [1.0, 2.0]), row(Some("b"), [3.0, 4.0])]),
+        ("id;y;x;code\na;1;2;7\n", vec![row(Some("a"), [2.0, 1.0])]),
+        ("X,Y,Z,x,y\n9,9,9,1,2\n9,9,9,,\n", vec![row(None, [1.0, 2.0])]),
+        ("", vec![]),
+    ] {
+        assert_eq!(parse_image_points(text).unwrap(), expected, "{text}");
+    }
+    for (text, expected) in [
+        (
+            "X,Y,Z\n1,2,3\n",
+            "line 1: the header is `X Y Z`, expected the columns x, y, and perhaps id",
+        ),
+        ("x,y\n1,NaN\n", "line 2, field 2: y is `NaN`, expected a finite number"),
+        ("x,y\n1,\n", "line 2: has one of x and y without the other"),
+        ("x,y\n1\n", "line 2: has 1 fields, expected 2"),
+        ("x,x,y\n1,1,1\n", "line 1, field 2: the column `x` stands there twice"),
+    ] {
+        assert_eq!(parse_image_points(text).unwrap_err().to_string(), expected, "{text}");
     }
 }

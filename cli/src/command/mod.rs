@@ -1,0 +1,140 @@
+//! The commands: their arguments, their messages, their outputs.
+
+pub(crate) mod overlay;
+pub(crate) mod project;
+pub(crate) mod rectify;
+pub(crate) mod render;
+
+use std::fmt::{self, Display};
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use clap::ValueEnum;
+use collinear::resample::{Border, Filter};
+use collinear_cli::check_size;
+use collinear_io::picture::PictureFormat;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A message for people.
+pub(crate) fn say(message: &str) {
+    // Nobody is left to tell that stderr is closed.
+    drop(writeln!(std::io::stderr().lock(), "collinear: {message}"));
+}
+
+/// A bar on a terminal, nothing elsewhere.
+pub(crate) fn progress_bar(what: &'static str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+        bar.set_style(style);
+    }
+    bar.with_message(what)
+}
+
+/// The path of a picture to write, refused here where its extension names no format.
+pub(crate) fn picture_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    PictureFormat::from_path(&path).map_err(|e| e.to_string())?;
+    Ok(path)
+}
+
+/// An error of the command line that its parser cannot see.
+#[derive(Debug)]
+pub(crate) struct UsageError(pub(crate) String);
+
+impl Display for UsageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+/// An error with the file that it is about.
+pub(crate) fn in_file(path: &Path, error: impl Display) -> anyhow::Error {
+    anyhow!("{}: {error}", path.display())
+}
+
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(v) if v.is_finite() && v > 0.0 => Ok(v),
+        _ => Err("expected a finite number above 0".into()),
+    }
+}
+
+/// The size of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+impl Size {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let (w, h) = text
+            .split_once(['x', 'X', '×'])
+            .ok_or("expected width and height in pixels, as 800x600")?;
+        let side = |t: &str| {
+            t.trim().parse::<u32>().map_err(|_| format!("`{t}` is not a whole number of pixels"))
+        };
+        let (width, height) = (side(w)?, side(h)?);
+        check_size(width, height).map_err(|e| e.to_string())?;
+        Ok(Self { width, height })
+    }
+}
+
+/// A colour between pixels.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum FilterChoice {
+    Nearest,
+    #[default]
+    Bilinear,
+}
+
+impl From<FilterChoice> for Filter {
+    fn from(choice: FilterChoice) -> Self {
+        match choice {
+            FilterChoice::Nearest => Self::Nearest,
+            FilterChoice::Bilinear => Self::Bilinear,
+        }
+    }
+}
+
+/// What lies beyond a photograph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BorderChoice(Border);
+
+impl BorderChoice {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let color = |t: &str| {
+            let parts: Vec<_> = t.split(',').map(|p| p.trim().parse::<u8>()).collect();
+            match parts.as_slice() {
+                [Ok(r), Ok(g), Ok(b)] => {
+                    Ok(Border::Constant([f32::from(*r), f32::from(*g), f32::from(*b), 255.0]))
+                }
+                _ => Err(format!("`{t}` is no colour: three numbers from 0 to 255, as 255,128,0")),
+            }
+        };
+        Ok(Self(match text.split_once([':', '=', ' ']) {
+            Some(("constant", rest)) => color(rest)?,
+            None if text == "transparent" => Border::Transparent,
+            None if text == "clamp" => Border::Clamp,
+            None if text == "repeat" => Border::Repeat,
+            None if text == "mirror" => Border::Mirror,
+            _ => return Err("expected transparent, constant:R,G,B, clamp, repeat or mirror".into()),
+        }))
+    }
+
+    /// The border, refused where it is transparent and the output cannot be.
+    pub(crate) fn border(self, can_be_transparent: bool) -> Result<Border, UsageError> {
+        if self.0 == Border::Transparent && !can_be_transparent {
+            let reason = "a JPEG has no opacity: write a PNG, or give another --border";
+            return Err(UsageError(reason.into()));
+        }
+        Ok(self.0)
+    }
+}

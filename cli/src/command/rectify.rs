@@ -1,0 +1,193 @@
+//! `collinear rectify`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, anyhow};
+use clap::{ArgGroup, Args};
+use collinear::nalgebra::Point2;
+use collinear::resample::Border;
+use collinear_cli::rectify::{Rectification, footprint, size_at};
+use collinear_io::Document;
+use collinear_io::camera::CameraFile;
+use collinear_io::map::MapFile;
+use collinear_io::picture::{Picture, PictureFormat, read_picture, write_picture};
+use collinear_io::plane::{PlaneFile, Rectangle};
+use collinear_io::write_atomically;
+
+use super::{BorderChoice, FilterChoice, Size, in_file, picture_path, positive, progress_bar, say};
+
+/// Turn a plane of the world, as a façade, face-on
+#[derive(Debug, Args)]
+#[command(
+    long_about = LONG,
+    after_help = AFTER,
+    group(ArgGroup::new("what").required(true).args(["plane", "quad"])),
+    group(ArgGroup::new("scale").required(true).args(["size", "gsd"]))
+)]
+pub(crate) struct Arguments {
+    /// The photograph: PNG or JPEG
+    photo: PathBuf,
+
+    /// The photograph's camera (JSON); its lens is taken into account
+    #[arg(short, long, value_name = "CAMERA.json")]
+    camera: Option<PathBuf>,
+
+    /// The plane (JSON), looked at from the side to which its normal points, its up upwards. Without a
+    /// `rectangle` in it all that the photograph shows of it
+    #[arg(short, long, value_name = "PLANE.json", requires = "camera")]
+    plane: Option<PathBuf>,
+
+    /// Four points of the photograph instead of a plane, pixels, clockwise from the top left corner of
+    /// what is to be a rectangle
+    #[arg(short, long, value_name = "X1,Y1 X2,Y2 X3,Y3 X4,Y4", value_parser = quad, allow_hyphen_values = true)]
+    quad: Option<Quad>,
+
+    /// The size of the picture to write, pixels: its edges are the rectangle's
+    #[arg(short, long, value_name = "WIDTHxHEIGHT", value_parser = Size::parse)]
+    size: Option<Size>,
+
+    /// Units of the world for each pixel, instead of a size; the rectangle is grown to the right and
+    /// downwards to whole pixels
+    #[arg(
+        long, value_name = "UNITS", value_parser = positive, requires = "plane",
+        alias = "units-per-pixel"
+    )]
+    gsd: Option<f64>,
+
+    /// The picture to write: .png, .jpg or .jpeg
+    #[arg(short, long, value_name = "OUT", value_parser = picture_path)]
+    output: PathBuf,
+
+    /// A colour between pixels of the photograph: that of the pixel it lies in, or of the four around it
+    #[arg(long, value_enum, default_value_t)]
+    filter: FilterChoice,
+
+    /// What lies beyond the photograph: `transparent`, `constant:R,G,B`, `clamp`, `repeat` or `mirror`.
+    /// Without it transparent in a PNG and black in a JPEG
+    #[arg(long, value_name = "BORDER", value_parser = BorderChoice::parse)]
+    border: Option<BorderChoice>,
+
+    /// Write the homography used, photograph from picture, as a map file (JSON). With a lens it leads into
+    /// the photograph without its lens errors
+    #[arg(long, value_name = "MAP.json")]
+    map_out: Option<PathBuf>,
+}
+
+const LONG: &str = "\
+Turn a plane of the world, as a façade, face-on.
+
+With --camera and --plane no corners are picked: each pixel of the new picture is a point of the
+plane, and that point is looked up in the photograph through its camera and lens. With --quad four
+points of the photograph become the corners of the new picture; a camera given too takes its lens
+errors away.
+
+The plane's point and rectangle are in world units, the corners in pixels of the photograph from the
+top-left corner of its top-left pixel. docs/formats.md describes the files.";
+
+const AFTER: &str = "\
+Examples:
+  collinear rectify south.jpg --camera south.json --plane facade.json --gsd 0.01 -o facade.png
+  collinear rectify south.jpg --quad \"120,80 900,40 910,700 100,650\" --size 800x600 -o facade.png
+
+Exit codes: 0 done, 1 failed (an old OUT is left as it was), 2 wrong usage.";
+
+type Quad = [Point2<f64>; 4];
+
+fn quad(text: &str) -> Result<Quad, String> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    let point = |t: &str| {
+        let (x, y) = t.split_once(',')?;
+        Some(Point2::new(number(x)?, number(y)?))
+    };
+    let points: Option<Vec<_>> = text.split_whitespace().map(point).collect();
+    points.and_then(|p| Quad::try_from(p).ok()).ok_or_else(|| {
+        "expected four points x,y parted by spaces, as \"120,80 900,40 910,700 100,650\"".into()
+    })
+}
+
+impl Arguments {
+    pub(crate) fn run(&self) -> Result<()> {
+        let png = PictureFormat::from_path(&self.output)? == PictureFormat::Png;
+        let border = match self.border {
+            Some(choice) => choice.border(png)?,
+            None if png => Border::Transparent,
+            None => Border::Constant([0.0; 4]),
+        };
+        let camera = self.camera.as_deref().map(CameraFile::read).transpose()?;
+        let rectification = match (&self.plane, &camera, &self.quad) {
+            (Some(path), Some(camera), _) => {
+                let plane = PlaneFile::read(path)?;
+                self.of_plane(&plane, camera).map_err(|e| in_file(path, e))?
+            }
+            (_, camera, Some(corners)) => {
+                let Size { width, height } = self.size.context("--quad needs --size")?;
+                Rectification::of_quad(corners, camera.as_ref(), width, height)
+                    .map_err(|e| anyhow!("--quad: {e}"))?
+            }
+            _ => return Err(anyhow!("one of --plane (with --camera) and --quad is needed")),
+        };
+        let photograph = self.photograph(camera.as_ref())?;
+        let bar = progress_bar("rectifying");
+        let picture =
+            rectification.apply(&photograph, self.filter.into(), border, &|done, total| {
+                bar.set_length(total as u64);
+                bar.set_position(done as u64);
+            });
+        bar.finish_and_clear();
+        let picture = picture.map_err(|e| in_file(&self.photo, e))?;
+        if rectification.is_mirrored() {
+            say(&format!(
+                "warning: {}: left and right are exchanged: {}",
+                self.output.display(),
+                if self.quad.is_some() {
+                    "the corners go counter-clockwise"
+                } else {
+                    "the photograph sees the plane from behind, reverse its normal"
+                }
+            ));
+        }
+        if let Some(path) = &self.map_out {
+            let m = rectification.homography().matrix();
+            let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)]));
+            let text = MapFile::Homography { matrix: rows }.to_json()?;
+            write_atomically(path, |w| w.write_all(text.as_bytes()))?;
+            if rectification.through_lens() {
+                say(&format!(
+                    "warning: {}: the homography leads into the photograph without its lens errors",
+                    path.display()
+                ));
+            }
+        }
+        write_picture(&self.output, &picture)?;
+        Ok(())
+    }
+
+    fn photograph(&self, camera: Option<&CameraFile>) -> Result<Picture> {
+        let photograph = read_picture(&self.photo)?;
+        if let Some(camera) = camera {
+            camera
+                .check_picture_size(photograph.width, photograph.height)
+                .map_err(|e| in_file(&self.photo, e))?;
+        }
+        Ok(photograph)
+    }
+
+    fn of_plane(&self, plane: &PlaneFile, camera: &CameraFile) -> Result<Rectification> {
+        let rectangle = match plane.rectangle {
+            Some(rectangle) => rectangle,
+            None => footprint(plane, camera)?,
+        };
+        let (rectangle, width, height) = match (self.gsd, self.size) {
+            (Some(gsd), _) => size_at(&rectangle, gsd)?,
+            (None, Some(Size { width, height })) => (rectangle, width, height),
+            (None, None) => return Err(anyhow!("one of --size and --gsd is needed")),
+        };
+        let made = Rectification::of_plane(plane, &rectangle, camera, width, height)?;
+        let Rectangle { left, bottom, right, top } = rectangle;
+        say(&format!(
+            "{}: {width} × {height} pixels from {left}, {bottom} to {right}, {top}",
+            self.output.display()
+        ));
+        Ok(made)
+    }
+}

@@ -1,0 +1,81 @@
+//! `collinear render`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use clap::Args;
+use collinear_cli::render::render_scene;
+use collinear_io::picture::write_picture;
+use collinear_io::scene::SceneFile;
+
+use super::{picture_path, progress_bar, say};
+
+/// Draw the view of a scene: polygons textured by photographs, textures or colours
+#[derive(Debug, Args)]
+#[command(long_about = LONG, after_help = AFTER)]
+pub(crate) struct Arguments {
+    /// The scene file (JSON); paths in it start from its folder
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+
+    /// The picture to write: .png, .jpg or .jpeg
+    #[arg(short, long, value_name = "OUT", value_parser = picture_path)]
+    output: PathBuf,
+
+    /// Fail where a polygon cannot be drawn, instead of leaving it out with a warning
+    #[arg(long)]
+    strict: bool,
+}
+
+const LONG: &str = "\
+Draw the view of a scene: polygons textured by photographs, textures or colours.
+
+Each polygon's pixels are looked up in its photograph through the map that the polygon's plane, the
+photograph's camera (with its lens) and the view share; nothing is resampled twice. What lies
+outside the photograph stays undrawn. The nearest polygon wins. Photographs are not tested for what
+stands in their way.
+
+Vertices are world coordinates in any one unit of length; the picture has the size of the scene's
+view, in pixels. docs/formats.md describes the scene file.";
+
+const AFTER: &str = "\
+Example:
+  collinear render town.json -o view.png
+
+Exit codes: 0 done, 1 failed (an old OUT is left as it was), 2 wrong usage.";
+
+impl Arguments {
+    pub(crate) fn run(&self) -> Result<()> {
+        let scene = SceneFile::open(&self.scene)?;
+        let bar = progress_bar("rendering");
+        let result = render_scene(&scene, Path::new(""), &|done, total| {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+        });
+        bar.finish_and_clear();
+        let name = self.scene.display();
+        let rendered = result.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+        let report = &rendered.report;
+        if self.strict
+            && let Some(first) = report.refused.first()
+        {
+            bail!("{name}: {first}");
+        }
+        for remark in &report.refused {
+            say(&format!("warning: {name}: {remark}; it is left out"));
+        }
+        for remark in &report.notes {
+            say(&format!("warning: {name}: {remark}"));
+        }
+        write_picture(&self.output, &rendered.picture)?;
+        say(&format!(
+            "{}: {} polygons drawn, {} culled, {} out of view, {} left out",
+            self.output.display(),
+            report.drawn,
+            report.culled,
+            report.outside,
+            report.refused.len()
+        ));
+        Ok(())
+    }
+}

@@ -1,0 +1,19 @@
+//! The program `collinear` as functions: what its commands do, without their arguments and messages.
+//!
+//! | command | function |
+//! | --- | --- |
+//! | `collinear render` | [`render::render_scene`] |
+//! | `collinear rectify` | [`rectify::Rectification`] |
+//! | `collinear project` | [`project::project`], [`project::ground`] |
+//! | `collinear overlay` | [`overlay::Overlay`] |
+//!
+//! The mathematics is that of [`collinear`], the files are those of [`collinear_io`].
+
+pub mod overlay;
+mod photograph;
+mod picture;
+pub mod project;
+pub mod rectify;
+pub mod render;
+
+pub use picture::{LARGEST_AREA, LARGEST_SIDE, check_size};

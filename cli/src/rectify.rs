@@ -1,0 +1,342 @@
+//! A plane of the world seen face-on, from a photograph.
+
+use std::ops::Range;
+
+use anyhow::{Result, anyhow, bail, ensure};
+use collinear::ProjectionError;
+use collinear::camera::{ExteriorOrientation, HomogeneousCamera, Orthographic};
+use collinear::geometry::{Affine2, Homography};
+use collinear::mapping::{FractionalLinear, Map, RowCoords, UndistortMap};
+use collinear::nalgebra::{Matrix2, Matrix3, Point2, Point3, Rotation3, RowVector3, Vector3};
+use collinear::resample::{Border, Filter, ImageView, ImageViewMut, warp};
+use collinear_io::camera::{CameraFile, Interior};
+use collinear_io::picture::Picture;
+use collinear_io::plane::{PlaneFile, Rectangle};
+
+use crate::photograph::{self, PlaneMap};
+use crate::picture::check_size;
+
+/// Rows drawn between two reports of progress.
+const BAND: usize = 64;
+
+/// A rectangle's size may exceed a whole number of pixels by this much of one before another pixel is added.
+const PART_OF_PIXEL: f64 = 1e-6;
+
+/// What leads from a rectified picture into its photograph.
+#[derive(Debug)]
+pub struct Rectification {
+    width: u32,
+    height: u32,
+    homography: Homography,
+    map: Box<dyn Map>,
+    through_lens: bool,
+    mirrored: bool,
+}
+
+impl Rectification {
+    /// The part of a plane in `rectangle`, face-on, its up upwards, in a picture of the given size.
+    ///
+    /// The picture's edges are the rectangle's. The screen is a parallel projection along the plane's normal, the map that
+    /// of [`FractionalLinear::from_plane`], followed by the photograph's lens.
+    ///
+    /// # Errors
+    /// A size that [`check_size`] refuses; a camera or a plane out of their domain; a plane through the camera.
+    pub fn of_plane(
+        plane: &PlaneFile,
+        rectangle: &Rectangle,
+        camera: &CameraFile,
+        width: u32,
+        height: u32,
+    ) -> Result<Self> {
+        check_size(width, height)?;
+        let screen = face_on(plane, rectangle, width, height)?;
+        let photograph = camera.camera()?;
+        let map = PlaneMap::new(&plane.plane()?, &photograph, &screen)?;
+        Ok(Self {
+            width,
+            height,
+            homography: map.linear.homography()?,
+            map: map.boxed(),
+            through_lens: map.lens.is_some(),
+            mirrored: is_behind(camera, plane)?,
+        })
+    }
+
+    /// The quadrilateral of a photograph with these corners, clockwise from the top left one, in pixels, as a rectangle.
+    ///
+    /// With a camera the corners and the map go through its lens; its place is not used.
+    ///
+    /// # Errors
+    /// A size that [`check_size`] refuses; a quadrilateral that is concave, crosses itself or has three corners on a line; a
+    /// corner that the lens has no image of.
+    pub fn of_quad(
+        corners: &[Point2<f64>; 4],
+        camera: Option<&CameraFile>,
+        width: u32,
+        height: u32,
+    ) -> Result<Self> {
+        check_size(width, height)?;
+        let lens = match camera {
+            Some(camera) => photograph::lens(&camera.camera()?),
+            None => None,
+        };
+        let mut ideal = *corners;
+        if let Some(lens) = lens {
+            let undistort = UndistortMap::new(lens);
+            for c in &mut ideal {
+                *c = undistort.at(c).map_err(|e| anyhow!("corner ({}, {}): {e}", c.x, c.y))?;
+            }
+        }
+        let (w, h) = (f64::from(width), f64::from(height));
+        let sides = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(Point2::from);
+        let homography = Homography::from_quads(&sides, &ideal)?;
+        let map = PlaneMap { linear: FractionalLinear::from_homography(&homography), lens };
+        let mirrored = homography.matrix().determinant() < 0.0;
+        let through_lens = lens.is_some();
+        Ok(Self { width, height, homography, map: map.boxed(), through_lens, mirrored })
+    }
+
+    /// The map, photograph from rectified picture.
+    #[must_use]
+    pub fn map(&self) -> &dyn Map {
+        self.map.as_ref()
+    }
+
+    /// The homography in it: the whole map where the photograph's camera has no lens, else the map into the ideal picture,
+    /// to be followed by the lens.
+    #[must_use]
+    pub fn homography(&self) -> &Homography {
+        &self.homography
+    }
+
+    /// Whether the map goes through a lens, so that it is more than its homography.
+    #[must_use]
+    pub fn through_lens(&self) -> bool {
+        self.through_lens
+    }
+
+    /// Whether left and right are exchanged: the photograph was taken from behind the plane, or the corners go
+    /// counter-clockwise.
+    #[must_use]
+    pub fn is_mirrored(&self) -> bool {
+        self.mirrored
+    }
+
+    /// Draws the rectified picture.
+    ///
+    /// Grey stays grey unless the border has a colour; the photograph's opacity is passed over. With
+    /// [`Border::Transparent`] the picture has a channel of opacity, 0 where the photograph shows nothing. `progress` is
+    /// called with the rows done and all rows.
+    ///
+    /// # Errors
+    /// A photograph whose samples do not fill it.
+    pub fn apply(
+        &self,
+        photograph: &Picture,
+        filter: Filter,
+        border: Border,
+        progress: &dyn Fn(usize, usize),
+    ) -> Result<Picture> {
+        let colored = match border {
+            Border::Constant([r, g, b, _]) => r != g || g != b,
+            _ => false,
+        };
+        let channels = if photograph.channels > 2 || colored { 3 } else { 1 };
+        let opaque = border == Border::Transparent;
+        let source = channels_of(photograph, channels, opaque);
+        let channels = channels + usize::from(opaque);
+        let job = Job { rectification: self, photograph, source, filter, border, progress };
+        let data = match channels {
+            1 => job.run::<1>(),
+            2 => job.run::<2>(),
+            3 => job.run::<3>(),
+            _ => job.run::<4>(),
+        }?;
+        let (width, height) = (self.width, self.height);
+        Ok(Picture { width, height, channels: channels as u8, data, orientation: 1 })
+    }
+}
+
+/// A picture's samples as grey or colour, with or without an opacity of 255.
+fn channels_of(picture: &Picture, channels: usize, opaque: bool) -> Vec<u8> {
+    let pixels = picture.data.chunks_exact(usize::from(picture.channels.max(1)));
+    let mut out = Vec::with_capacity(pixels.len() * (channels + usize::from(opaque)));
+    for pixel in pixels {
+        match pixel {
+            [r, g, b, ..] if channels == 3 => out.extend([*r, *g, *b]),
+            [grey, ..] => out.extend(std::iter::repeat_n(*grey, channels)),
+            [] => {}
+        }
+        if opaque {
+            out.push(u8::MAX);
+        }
+    }
+    out
+}
+
+struct Job<'a> {
+    rectification: &'a Rectification,
+    photograph: &'a Picture,
+    source: Vec<u8>,
+    filter: Filter,
+    border: Border,
+    progress: &'a dyn Fn(usize, usize),
+}
+
+impl Job<'_> {
+    fn run<const C: usize>(&self) -> Result<Vec<u8>> {
+        let Rectification { width, height, map, .. } = self.rectification;
+        let (width, height) = (*width as usize, *height as usize);
+        let (w, h) = (self.photograph.width as usize, self.photograph.height as usize);
+        let source = ImageView::<u8, C>::new(&self.source, w, h)?;
+        let mut data = vec![0; width * height * C];
+        (self.progress)(0, height);
+        for (i, rows) in data.chunks_mut(width * C * BAND).enumerate() {
+            let first = i * BAND;
+            let count = rows.len() / (width * C);
+            let band = Band { map: map.as_ref(), first: first as i32 };
+            let mut target = ImageViewMut::<u8, C>::new(rows, width, count)?;
+            warp(source, &band, self.filter, self.border, &mut target);
+            (self.progress)(first + count, height);
+        }
+        Ok(data)
+    }
+}
+
+/// A map's rows from `first` on.
+#[derive(Debug)]
+struct Band<'a> {
+    map: &'a dyn Map,
+    first: i32,
+}
+
+impl Band<'_> {
+    fn whole(&self, p: &Point2<f64>) -> Point2<f64> {
+        Point2::new(p.x, p.y + f64::from(self.first))
+    }
+}
+
+impl Map for Band<'_> {
+    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        self.map.at(&self.whole(screen))
+    }
+
+    fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+        self.map.jacobian(&self.whole(screen))
+    }
+
+    fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
+        self.map.row(line + self.first, samples, out);
+    }
+}
+
+/// The parallel projection of a plane along its normal, its rectangle filling the picture.
+fn face_on(
+    plane: &PlaneFile,
+    rectangle: &Rectangle,
+    width: u32,
+    height: u32,
+) -> Result<HomogeneousCamera> {
+    let axes = plane.axes().map_err(collinear_io::Error::from)?;
+    let row = |v: [f64; 3], sign: f64| RowVector3::from(v) * sign;
+    let rows = [row(axes.right, 1.0), row(axes.up, -1.0), row(axes.normal, -1.0)];
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_rows(&rows));
+    let exterior = ExteriorOrientation::new(Point3::from(plane.point), rotation);
+    let Rectangle { left, bottom, right, top } = *rectangle;
+    let (sx, sy) = (f64::from(width) / (right - left), f64::from(height) / (top - bottom));
+    let scale = Affine2::from_coefficients([-left * sx, sx, 0.0], [top * sy, 0.0, sy]);
+    Ok(Orthographic::new(exterior, scale)?.homogeneous())
+}
+
+/// Whether a camera sees a plane from behind.
+fn is_behind(camera: &CameraFile, plane: &PlaneFile) -> Result<bool> {
+    let (exterior, plane) = (camera.exterior.orientation()?, plane.plane()?);
+    Ok(match camera.interior {
+        Interior::Pinhole { .. } | Interior::Brown { .. } => {
+            plane.signed_distance(&exterior.projection_center()) < 0.0
+        }
+        Interior::Orthographic { .. } => {
+            let along = exterior.camera_from_world().inverse() * Vector3::z();
+            along.dot(&plane.normal()) > 0.0
+        }
+    })
+}
+
+/// The rectangle of a plane that a photograph shows: the box about its border, traced pixel by pixel to the plane.
+///
+/// # Errors
+/// A border that does not meet the plane, since its horizon is in view: state a rectangle then.
+pub fn footprint(plane: &PlaneFile, camera: &CameraFile) -> Result<Rectangle> {
+    let photograph = camera.camera()?;
+    let surface = plane.plane()?;
+    let mut found = Rectangle {
+        left: f64::INFINITY,
+        bottom: f64::INFINITY,
+        right: f64::NEG_INFINITY,
+        top: f64::NEG_INFINITY,
+    };
+    for p in border(camera) {
+        let world = match photograph.sensor().ground(&p, &surface) {
+            Ok(world) => world,
+            Err(ProjectionError::MissesSurface) => bail!(
+                "the plane's horizon is in view of the photograph, its border at ({}, {}) does not meet the plane: \
+                 the plane file needs a `rectangle`",
+                p.x,
+                p.y
+            ),
+            Err(e) => bail!(
+                "the photograph's border at ({}, {}) has no place on the plane, the plane file needs a `rectangle`: {e}",
+                p.x,
+                p.y
+            ),
+        };
+        let [right, up] =
+            plane.plane_from_world(&world.into()).map_err(collinear_io::Error::from)?;
+        found.left = found.left.min(right);
+        found.right = found.right.max(right);
+        found.bottom = found.bottom.min(up);
+        found.top = found.top.max(up);
+    }
+    let Rectangle { left, bottom, right, top } = found;
+    ensure!(
+        right > left && top > bottom,
+        "the photograph sees the plane edge on: the plane file needs a `rectangle`"
+    );
+    Ok(found)
+}
+
+/// The corners of the pixels along a picture's border.
+pub(crate) fn border(camera: &CameraFile) -> impl Iterator<Item = Point2<f64>> {
+    let (width, height) = (camera.width, camera.height);
+    let (w, h) = (f64::from(width), f64::from(height));
+    let across = (0..=width).map(f64::from).flat_map(move |x| [[x, 0.0], [x, h]]);
+    let down = (1..height).map(f64::from).flat_map(move |y| [[0.0, y], [w, y]]);
+    across.chain(down).map(Point2::from)
+}
+
+/// The size of a picture of a rectangle at so many units a pixel, and the rectangle grown to the right and downwards to whole
+/// pixels.
+///
+/// # Errors
+/// A size that [`check_size`] refuses.
+pub fn size_at(rectangle: &Rectangle, units_per_pixel: f64) -> Result<(Rectangle, u32, u32)> {
+    let Rectangle { left, bottom, right, top } = *rectangle;
+    let pixels = |length: f64| (length / units_per_pixel - PART_OF_PIXEL).ceil().max(1.0);
+    let (w, h) = (pixels(right - left), pixels(top - bottom));
+    let largest = f64::from(crate::LARGEST_SIDE);
+    ensure!(
+        w <= largest && h <= largest,
+        "{} × {} units at {units_per_pixel} a pixel make {w} × {h} pixels: a side must be from 1 to {largest}",
+        right - left,
+        top - bottom
+    );
+    let (width, height) = (w as u32, h as u32);
+    check_size(width, height)?;
+    let grown = Rectangle {
+        left,
+        top,
+        right: left + w * units_per_pixel,
+        bottom: top - h * units_per_pixel,
+    };
+    Ok((grown, width, height))
+}

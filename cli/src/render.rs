@@ -1,0 +1,285 @@
+//! A scene file's view, drawn by the reference texturer.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::Path;
+
+use anyhow::{Result, anyhow};
+use collinear::camera::HomogeneousCamera;
+use collinear::geometry::Plane;
+use collinear::mapping::Map;
+use collinear::nalgebra::{Point3, Vector3};
+use collinear::resample::{Border, Filter, ImageView, ImageViewMut};
+use collinear::texturer::{
+    Canvas, Facing, Paint, ScreenPolygon, bilinear_quad, from_vertices, linear_triangles,
+};
+use collinear_io::convert::Camera;
+use collinear_io::picture::Picture;
+use collinear_io::scene::{self, Fill, Interpolation, Polygon, SceneFile};
+
+use crate::photograph::PlaneMap;
+use crate::picture::{Rgb, check_size};
+
+/// Vertices farther from their common plane than this, as a part of the polygon's size, are told in the report.
+const UNEVEN: f64 = 1e-6;
+
+/// The picture of a scene, and what became of its polygons.
+#[derive(Clone, Debug)]
+pub struct RenderedScene {
+    /// Red, green, blue.
+    pub picture: Picture,
+    /// What became of the polygons.
+    pub report: Report,
+}
+
+/// What became of a scene's polygons.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Polygons drawn, hidden ones among them.
+    pub drawn: usize,
+    /// Polygons that show the side which is not drawn.
+    pub culled: usize,
+    /// Polygons before the near distance, or of no area on the screen.
+    pub outside: usize,
+    /// Polygons that could not be drawn.
+    pub refused: Vec<Remark>,
+    /// Polygons that were drawn otherwise than the scene asks.
+    pub notes: Vec<Remark>,
+}
+
+/// Something to say about a polygon.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remark {
+    /// Its place in the scene file, from 0.
+    pub polygon: usize,
+    /// Its name, where it has one.
+    pub name: Option<String>,
+    /// What there is to say.
+    pub text: String,
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "polygons[{}]", self.polygon)?;
+        if let Some(name) = &self.name {
+            write!(f, " `{name}`")?;
+        }
+        write!(f, ": {}", self.text)
+    }
+}
+
+/// Draws the view of a scene.
+///
+/// Paths in the scene start from `folder`; of a scene from [`SceneFile::open`] they start from the working folder, and
+/// `folder` is empty. `progress` is called with the number of steps done and of all steps: a picture read is a step, a
+/// polygon is another.
+///
+/// A polygon whose photograph's camera has no lens errors is drawn through
+/// [`FractionalLinear`](collinear::mapping::FractionalLinear) alone, any other through
+/// [`PhotographMap`](collinear::mapping::PhotographMap). What lies outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes
+/// colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
+/// [reported](Report::refused).
+///
+/// # Errors
+/// A file that cannot be read, a photograph of another size than its camera's, a view with a lens or larger than
+/// [`LARGEST_SIDE`](crate::LARGEST_SIDE) or [`LARGEST_AREA`](crate::LARGEST_AREA).
+pub fn render_scene(
+    scene: &SceneFile,
+    folder: &Path,
+    progress: &dyn Fn(usize, usize),
+) -> Result<RenderedScene> {
+    let scene = scene.resolved(folder)?;
+    let view = scene.view.camera(Path::new(""))?;
+    check_size(view.width, view.height).map_err(|e| anyhow!("view: {e}"))?;
+    let screen = match view.camera().map_err(|e| anyhow!("view: {e}"))? {
+        Camera::Pinhole(frame) => frame.homogeneous(),
+        Camera::Orthographic(camera) => camera.homogeneous(),
+        Camera::Brown(_) => {
+            return Err(anyhow!("view: has a lens, its model must be `pinhole` or `orthographic`"));
+        }
+    };
+    let near = scene.near_distance(Path::new(""))?;
+    let total = scene.photographs.len() + scene.textures.len() + scene.polygons.len();
+    let mut done = 0;
+    let mut step = || {
+        done += 1;
+        progress(done, total);
+    };
+    progress(0, total);
+    let sources = Sources::read(&scene, &mut step)?;
+
+    let (width, height) = (view.width as usize, view.height as usize);
+    let mut data = scene.background.repeat(width * height);
+    let mut report = Report::default();
+    {
+        let mut canvas = Canvas::new(ImageViewMut::<u8, 3>::new(&mut data, width, height)?);
+        let filter = match scene.filter {
+            scene::Filter::Nearest => Filter::Nearest,
+            scene::Filter::Bilinear => Filter::Bilinear,
+        };
+        let facing = match scene.cull {
+            scene::Cull::None => Facing::Both,
+            scene::Cull::Back => Facing::Front,
+        };
+        let mut draw = Draw {
+            sources: &sources,
+            screen: &screen,
+            near,
+            filter,
+            facing,
+            interpolation: scene.interpolation,
+            canvas: &mut canvas,
+        };
+        for (index, polygon) in scene.polygons.iter().enumerate() {
+            let remark = |text| Remark { polygon: index, name: polygon.name.clone(), text };
+            match draw.polygon(polygon) {
+                Ok(Outcome::Drawn { notes }) => {
+                    report.drawn += 1;
+                    report.notes.extend(notes.into_iter().map(remark));
+                }
+                Ok(Outcome::Culled) => report.culled += 1,
+                Ok(Outcome::Outside) => report.outside += 1,
+                Err(reason) => report.refused.push(remark(reason)),
+            }
+            step();
+        }
+    }
+    let picture =
+        Picture { width: view.width, height: view.height, channels: 3, data, orientation: 1 };
+    Ok(RenderedScene { picture, report })
+}
+
+/// The pictures of a scene in memory, by name.
+struct Sources<'a> {
+    photographs: HashMap<&'a str, (Rgb, Camera)>,
+    textures: HashMap<&'a str, (Rgb, Border)>,
+}
+
+impl<'a> Sources<'a> {
+    /// Reads the pictures that a polygon shows.
+    fn read(scene: &'a SceneFile, step: &mut dyn FnMut()) -> Result<Self> {
+        let shown = |fill: &dyn Fn(&Fill) -> bool| scene.polygons.iter().any(|p| fill(&p.fill));
+        let mut photographs = HashMap::new();
+        for (i, p) in scene.photographs.iter().enumerate() {
+            if shown(&|f| matches!(f, Fill::Photograph(name) if *name == p.name)) {
+                let file = p.camera.camera(Path::new(""))?;
+                let camera = file.camera().map_err(|e| anyhow!("photographs[{i}].camera: {e}"))?;
+                let picture = Rgb::read_sized(&p.image, &file)?;
+                photographs.insert(p.name.as_str(), (picture, camera));
+            }
+            step();
+        }
+        let mut textures = HashMap::new();
+        for t in &scene.textures {
+            if shown(&|f| matches!(f, Fill::Texture { name, .. } if *name == t.name)) {
+                let border = match t.border {
+                    scene::Border::Clamp => Border::Clamp,
+                    scene::Border::Repeat => Border::Repeat,
+                    scene::Border::Mirror => Border::Mirror,
+                    scene::Border::Transparent => Border::Transparent,
+                };
+                textures.insert(t.name.as_str(), (Rgb::read(&t.image)?, border));
+            }
+            step();
+        }
+        Ok(Self { photographs, textures })
+    }
+}
+
+enum Outcome {
+    Drawn { notes: Vec<String> },
+    Culled,
+    Outside,
+}
+
+/// What every polygon of a scene is drawn with.
+struct Draw<'a, 'b> {
+    sources: &'a Sources<'a>,
+    screen: &'a HomogeneousCamera,
+    near: f64,
+    filter: Filter,
+    facing: Facing,
+    interpolation: Interpolation,
+    canvas: &'a mut Canvas<'b, u8, 3>,
+}
+
+impl Draw<'_, '_> {
+    /// Draws one polygon, or says why it cannot be drawn.
+    fn polygon(&mut self, polygon: &Polygon) -> Result<Outcome, String> {
+        let world: Vec<Point3<f64>> = polygon.vertices.iter().map(|v| Point3::from(*v)).collect();
+        let outline = ScreenPolygon::project(&world, self.screen, self.near).map_err(text)?;
+        if outline.is_empty() {
+            return Ok(Outcome::Outside);
+        }
+        if !outline.shows(self.facing) {
+            return Ok(Outcome::Culled);
+        }
+        let (plane, uneven) = plane_of(&world)?;
+        let nearness = self.screen.nearness(&plane).map_err(text)?;
+        let sources = self.sources;
+        let (image, border, map): (ImageView<'_, u8, 3>, Border, Box<dyn Map>) = match &polygon.fill
+        {
+            Fill::Color(color) => {
+                self.canvas.draw(&outline, nearness, &Paint::Flat(*color)).map_err(text)?;
+                return Ok(Outcome::Drawn { notes: uneven.into_iter().collect() });
+            }
+            Fill::Photograph(name) => {
+                let (picture, camera) =
+                    sources.photographs.get(name.as_str()).ok_or("its photograph is not there")?;
+                let map = PlaneMap::new(&plane, camera, self.screen)
+                    .map_err(|e| format!("photograph `{name}`: {e}"))?;
+                (picture.view().map_err(text)?, Border::Transparent, map.boxed())
+            }
+            Fill::Texture { name, coordinates } => {
+                let (picture, border) =
+                    sources.textures.get(name.as_str()).ok_or("its texture is not there")?;
+                let uvw: Vec<Vector3<f64>> =
+                    coordinates.iter().map(|c| Vector3::new(c.u / c.w, c.v / c.w, c.w)).collect();
+                let map = from_vertices(&world, &uvw, self.screen)
+                    .map_err(|e| format!("texture `{name}`: {e}"))?;
+                (picture.view().map_err(text)?, *border, Box::new(map))
+            }
+        };
+        let filter = self.filter;
+        let draw = |canvas: &mut Canvas<'_, u8, 3>, outline: &ScreenPolygon, map: &dyn Map| {
+            let paint = Paint::Texture { image, map, filter, border };
+            canvas.draw(outline, nearness, &paint).map_err(text)
+        };
+        let mut notes = Vec::from_iter(uneven);
+        let bilinear = match self.interpolation {
+            Interpolation::Perspective => {
+                draw(self.canvas, &outline, map.as_ref())?;
+                return Ok(Outcome::Drawn { notes });
+            }
+            Interpolation::Bilinear => bilinear_quad(&outline, map.as_ref())
+                .map_err(|e| notes.push(format!("drawn linearly instead of bilinearly: {e}")))
+                .ok(),
+            Interpolation::Linear => None,
+        };
+        if let Some(map) = bilinear {
+            draw(self.canvas, &outline, &map)?;
+        } else {
+            for (piece, map) in linear_triangles(&outline, map.as_ref()).map_err(text)? {
+                draw(self.canvas, &piece, &map)?;
+            }
+        }
+        Ok(Outcome::Drawn { notes })
+    }
+}
+
+/// A polygon's plane; and, where its vertices do not lie in one, a remark on how far they are off it.
+fn plane_of(world: &[Point3<f64>]) -> Result<(Plane, Option<String>), String> {
+    if let [a, b, c] = world {
+        return Ok((Plane::through(a, b, c).map_err(text)?, None));
+    }
+    let fit = Plane::fit(world).map_err(text)?;
+    let size = world.iter().map(|p| (p - fit.plane.point()).norm()).fold(0.0, f64::max);
+    let off = fit.largest_residual;
+    let note = (off > UNEVEN * size)
+        .then(|| format!("drawn in the plane of best fit: vertices lie up to {off:.3e} off it"));
+    Ok((fit.plane, note))
+}
+
+fn text(error: impl fmt::Display) -> String {
+    error.to_string()
+}
