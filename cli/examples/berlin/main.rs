@@ -11,15 +11,29 @@
 #![allow(clippy::print_stdout, reason = "the program's output")]
 
 mod facade;
+mod model;
+mod patches;
 mod planes;
+mod sight;
 mod site;
+mod view;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
+use collinear_io::Document;
+use collinear_io::scene::Interpolation;
+
+use model::Stairs;
 use planes::Found;
+use sight::Sight;
 use site::{Site, plane_file};
+
+/// Where the new view is seen from and what it looks at, in building coordinates: metres to the right, into the façade and
+/// up from the camera of photograph 01.
+const EYE: [f64; 3] = [3.4, 3.5, 1.4];
+const TARGET: [f64; 3] = [0.8, 24.0, 5.4];
 
 fn main() -> Result<()> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -41,6 +55,41 @@ fn main() -> Result<()> {
     print_planes(&site, &out)?;
     println!("rectified, {}:", out.join("facade_*.png").display());
     facade::rectify(&site, &out)?;
+    new_view(&site, &out)?;
+    Ok(())
+}
+
+/// The model from where no photograph was taken.
+fn new_view(site: &Site, out: &Path) -> Result<()> {
+    let stairs = Stairs::find(site)?;
+    for (name, flight) in [("lower", &stairs.lower), ("upper", &stairs.upper)] {
+        let file = plane_file(flight, *site.axes.up, &site.origin)?;
+        print_plane(&format!("{name} flight of steps"), flight, &file);
+        file.write(&out.join(format!("plane_steps_{name}.json")))?;
+    }
+    let faces = model::faces(site, &stairs)?;
+    let sight = Sight::new(&faces)?;
+    let camera = view::look(site, [1400, 1200], 1150.0, EYE, TARGET)?;
+    println!("the new view, {} polygons:", faces.len());
+    for (i, face) in faces.iter().enumerate() {
+        let seen: Vec<String> = sight
+            .views(i, &site.photographs)
+            .iter()
+            .map(|v| {
+                let name = &site.photographs[v.photograph].name;
+                format!("{name} ({:.0} %, {:.0} pixels/m)", 100.0 * v.share, v.pixels)
+            })
+            .collect();
+        println!("  {}: {}", face.name, seen.join(", "));
+    }
+    view::overlays(site, &faces, &camera, out)?;
+    let gains = view::gains(site);
+    let photographs = view::expose(site, &gains, out)?;
+    let polygons = patches::polygons(site, &faces, &sight, &gains)?;
+    println!("  cut into {} patches that one photograph sees", polygons.len());
+    view::lens_offsets(site, &faces, &sight, &camera)?;
+    let scene = view::scene(&photographs, polygons, camera, Interpolation::Perspective);
+    view::draw(&scene, out, "berlin")?;
     Ok(())
 }
 
@@ -49,7 +98,7 @@ fn print_planes(site: &Site, out: &Path) -> Result<()> {
     for (i, found) in site.largest.iter().enumerate() {
         let file = plane_file(found, collinear::nalgebra::Vector3::z(), &site.origin)?;
         print_plane(&format!("{}", i + 1), found, &file);
-        collinear_io::Document::write(&file, &out.join(format!("plane_{}.json", i + 1)))?;
+        file.write(&out.join(format!("plane_{}.json", i + 1)))?;
     }
     let tilt = site.axes.up.z.acos().to_degrees();
     println!(

@@ -167,9 +167,13 @@ pub(crate) fn sheets(
     loop {
         let offsets: Vec<f64> = rest.iter().map(|p| normal.dot(&p.coords)).collect();
         let Ok(best) = search(&Sheets { offsets: &offsets }, &options(how, 1)) else { break };
-        let through = Point3::from(normal.into_inner() * best.model);
-        let Ok(plane) = Plane::from_point_and_normal(through, *normal) else { break };
-        planes.push(Found::new(plane, select(&rest, &best.inliers, true)));
+        let on = select(&rest, &best.inliers, true);
+        let sum = on.iter().fold(Vector3::zeros(), |s, p| s + p.coords);
+        let Ok(plane) = Plane::from_point_and_normal(Point3::from(sum / on.len() as f64), *normal)
+        else {
+            break;
+        };
+        planes.push(Found::new(plane, on));
         rest = select(&rest, &best.inliers, false);
     }
     (planes, rest)

@@ -1,11 +1,11 @@
 //! The place: photographs with their cameras, points, and the planes and axes found in them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Result, ensure};
 use collinear::camera::{BrownCamera, Frame};
 use collinear::geometry::Plane;
-use collinear::nalgebra::{Point3, Vector3};
+use collinear::nalgebra::{Point3, UnitVector3, Vector3};
 use collinear_io::camera::CameraFile;
 use collinear_io::opensfm::{Observation, read_reconstruction, read_tracks};
 use collinear_io::picture::{Picture, read_picture};
@@ -20,7 +20,6 @@ const THRESHOLD: f64 = 0.15;
 pub(crate) struct Photograph {
     /// "01", "02" or "03".
     pub(crate) name: String,
-    pub(crate) path: PathBuf,
     pub(crate) camera: CameraFile,
     pub(crate) frame: Frame<BrownCamera>,
     pub(crate) picture: Picture,
@@ -50,12 +49,11 @@ impl Site {
         let mut photographs = Vec::new();
         for file in reconstruction.shots.keys() {
             let camera = reconstruction.camera(file)?;
-            let path = folder.join(file);
-            let picture = read_picture(&path)?;
+            let picture = read_picture(&folder.join(file))?;
             camera.check_picture_size(picture.width, picture.height)?;
             let frame = camera.frame()?;
             let name = file.trim_end_matches(".jpg").to_owned();
-            photographs.push(Photograph { name, path, camera, frame, picture });
+            photographs.push(Photograph { name, camera, frame, picture });
         }
         ensure!(!photographs.is_empty(), "the reconstruction has no photographs");
         let points: Vec<Point3<f64>> =
@@ -96,15 +94,27 @@ impl Site {
     }
 
     /// The plane with most points that rises into the façade by `slope` radians, among the points in a box of building
-    /// coordinates.
-    pub(crate) fn rising(&self, from: [f64; 3], to: [f64; 3], slope: f64) -> Result<Found> {
+    /// coordinates; its level lines lean by `lean` radians upwards to the right.
+    pub(crate) fn rising(
+        &self,
+        from: [f64; 3],
+        to: [f64; 3],
+        slope: f64,
+        lean: f64,
+    ) -> Result<Found> {
         let inside = |p: &&Point3<f64>| {
             let b = self.building(p);
             (0..3).all(|i| b[i] >= from[i] && b[i] <= to[i])
         };
         let points: Vec<_> = self.points.iter().filter(inside).copied().collect();
         let how = Search { threshold: THRESHOLD / 2.0, least: 6 };
-        Ok(planes::rising(&points, &self.axes, slope, how)?)
+        let Axes { right, inward, up } = self.axes;
+        let leaning = Axes {
+            right: UnitVector3::new_normalize(*right + *up * lean),
+            up: UnitVector3::new_normalize(*up - *right * lean),
+            inward,
+        };
+        Ok(planes::rising(&points, &leaning, slope, how)?)
     }
 }
 
