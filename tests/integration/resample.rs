@@ -123,7 +123,7 @@ fn nothing_is_found_at_no_number_and_in_no_picture() {
             assert_eq!(sample(empty, &at(0.5, 0.5), filter, border), None);
             assert_eq!(sample(flat, &at(0.5, 0.5), filter, border), None);
             assert_eq!(sample(one, &at(0.5, 0.5), filter, border), Some([1, 2, 3]));
-            assert_eq!(sample(one, &at(1e-200, 1e-200), filter, border).is_some(), true);
+            assert!(sample(one, &at(1e-200, 1e-200), filter, border).is_some());
         }
     }
 }

@@ -63,9 +63,8 @@ fn missing(source: &Path, item: &str) -> Option<String> {
     rest.iter()
         .enumerate()
         .find(|(i, name)| {
-            !declares(&text, &keywords, name)
-                && !exports(&text, name)
-                && !(*i > 0 && elsewhere(name))
+            let found = declares(&text, &keywords, name) || exports(&text, name);
+            !found && (*i == 0 || !elsewhere(name))
         })
         .map(|(_, name)| name)
         .map(|name| format!("`{item}`: `{name}` is not declared in {}", place.display()))
