@@ -10,6 +10,7 @@
 //! the program says so and ends.
 #![allow(clippy::print_stdout, reason = "the program's output")]
 
+mod compare;
 mod facade;
 mod model;
 mod patches;
@@ -90,7 +91,8 @@ fn new_view(site: &Site, out: &Path) -> Result<()> {
     view::lens_offsets(site, &faces, &sight, &camera)?;
     let scene = view::scene(&photographs, polygons, camera, Interpolation::Perspective);
     view::draw(&scene, out, "berlin")?;
-    Ok(())
+    println!("perspective, linear and bilinear texture coordinates:");
+    compare::compare(site, &photographs, out)
 }
 
 fn print_planes(site: &Site, out: &Path) -> Result<()> {
