@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix2x3, Point2, Point3, Vector2, Vector3};
 
 use super::interior::{INTERIOR, InteriorOrientation};
-use super::{Adjustable, CentralModel, ParameterGroup, collinearity};
+use super::{Adjustable, CentralModel, ParameterGroup, collinearity, no_group};
 use crate::error::{Error, ProjectionError};
 use crate::numeric::scalar::Scalar;
 use crate::numeric::{float, polynomial};
@@ -67,8 +67,11 @@ pub struct Undistorted {
 
 const DISTORTION: ParameterGroup = ParameterGroup { name: "lens distortion", len: 5 };
 
-/// Beyond this normalised radius (89.99° from the axis) no fold is looked for.
-const LARGEST_RADIUS: f64 = 1e4;
+/// The ends of the intervals in which the fold is looked for, one after the other: one polynomial search over all of them
+/// would place a fold near 1 no better than 10⁻⁸.
+const SEARCHED_TO: [f64; 5] = [0.0, 1e4, 1e8, 1e12, 1e16];
+/// A start for the inverse may be thrown this many times farther than the point that is sought.
+const MOST_SPREAD: f64 = 1e3;
 /// Newton steps allowed: ten are rarely needed, bisection to the last bit would take 52.
 const MAX_STEPS: u32 = 100;
 
@@ -83,6 +86,20 @@ fn distort<S: Scalar>([x, y]: [S; 2], k: [S; 3], p: [S; 2]) -> [S; 2] {
     ]
 }
 
+/// The first positive root of the smallest eigenvalue; infinite where there is none.
+fn first_root(slope: &[f64; 7]) -> f64 {
+    let mut roots = [0.0; 6];
+    for range in SEARCHED_TO.windows(2) {
+        if polynomial::roots_in(slope, range[0], range[1], &mut roots) > 0 {
+            return roots[0];
+        }
+    }
+    // Past the last interval the highest power alone decides; what it bends back is cut off there.
+    let [.., last] = SEARCHED_TO;
+    let bends_back = slope.iter().rev().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0);
+    if bends_back { last } else { f64::INFINITY }
+}
+
 impl Brown {
     /// From k₁, k₂, k₃ and p₁, p₂.
     ///
@@ -94,9 +111,7 @@ impl Brown {
         }
         let slope =
             [1.0, -6.0 * float::hypot(p[0], p[1]), 3.0 * k[0], 0.0, 5.0 * k[1], 0.0, 7.0 * k[2]];
-        let mut roots = [0.0; 6];
-        let count = polynomial::roots_in(&slope, 0.0, LARGEST_RADIUS, &mut roots);
-        let fold_radius = if count > 0 { roots[0] } else { f64::INFINITY };
+        let fold_radius = first_root(&slope);
         if !(slope.iter().all(|c| c.is_finite()) && fold_radius > 0.0) {
             return Err(Error::OutOfRange {
                 what: "distortion fold radius",
@@ -125,7 +140,7 @@ impl Brown {
         self.p
     }
 
-    /// The radius of ideal points where the distortion folds back, infinite where it does not.
+    /// The radius of ideal points where the distortion folds back, infinite where it does not; at most 10¹⁶ where it does.
     #[must_use]
     pub fn fold_radius(&self) -> f64 {
         self.fold_radius
@@ -163,15 +178,28 @@ impl Brown {
     pub fn undistort(&self, distorted: &Point2<f64>) -> Result<Undistorted, ProjectionError> {
         collinearity::finite(*distorted)?;
         let target = distorted.coords;
-        let radius = target.norm();
+        let radius = float::hypot(target.x, target.y);
+        if radius.is_infinite() {
+            return Err(ProjectionError::NotFinite);
+        }
         // The rounding floor of the residual: the polynomial's terms are summed with a few roundings.
         let floor = 4.0 * f64::EPSILON * radius;
         let mut point = *distorted;
         if radius >= self.fold_radius {
+            let limit = self.reach(self.fold_radius);
+            if radius > limit {
+                return Err(ProjectionError::OutsideDomain { value: radius, limit });
+            }
             point.coords *= 0.5 * self.fold_radius / radius;
         }
+        // A lens that spreads the picture throws a far start much farther, or out of the numbers.
+        let mut length = float::hypot(point.x, point.y);
+        while length > 1.0 && !(self.reach(length) <= MOST_SPREAD * radius) {
+            point.coords *= 0.5;
+            length *= 0.5;
+        }
         let mut miss = self.formula(&point).coords - target;
-        let mut residual = miss.norm();
+        let mut residual = float::hypot(miss.x, miss.y);
         for iterations in 0..MAX_STEPS {
             if residual <= floor {
                 return Ok(Undistorted { point, iterations, residual });
@@ -182,9 +210,9 @@ impl Brown {
             let mut fraction = 1.0;
             let (next, next_miss, next_residual) = loop {
                 let candidate = point - step * fraction;
-                if candidate.coords.norm() < self.fold_radius {
+                if float::hypot(candidate.x, candidate.y) < self.fold_radius {
                     let miss = self.formula(&candidate).coords - target;
-                    let r = miss.norm();
+                    let r = float::hypot(miss.x, miss.y);
                     if r < residual {
                         break (candidate, miss, r);
                     }
@@ -207,6 +235,14 @@ impl Brown {
         Err(self.no_preimage(&point, radius, MAX_STEPS, residual))
     }
 
+    /// No point within a radius is thrown farther than this.
+    fn reach(&self, radius: f64) -> f64 {
+        let ([k1, k2, k3], [p1, p2]) = (self.k, self.p);
+        let r2 = radius * radius;
+        let radial = 1.0 + ((k3.abs() * r2 + k2.abs()) * r2 + k1.abs()) * r2;
+        radius * radial + 3.0 * float::hypot(p1, p2) * r2
+    }
+
     /// Why the search stopped: pressed against the fold, or out of steps.
     fn no_preimage(
         &self,
@@ -215,9 +251,10 @@ impl Brown {
         iterations: u32,
         residual: f64,
     ) -> ProjectionError {
-        if stopped.coords.norm() > 0.99 * self.fold_radius {
-            let rim = Point2::from(stopped.coords * (self.fold_radius / stopped.coords.norm()));
-            let limit = self.formula(&rim).coords.norm();
+        let length = float::hypot(stopped.x, stopped.y);
+        if length > 0.99 * self.fold_radius {
+            let rim = self.formula(&Point2::from(stopped.coords * (self.fold_radius / length)));
+            let limit = float::hypot(rim.x, rim.y);
             ProjectionError::OutsideDomain { value: radius, limit }
         } else {
             ProjectionError::NotConverged { iterations, residual }
@@ -356,7 +393,11 @@ impl Adjustable for BrownCamera {
 
     fn parameters(&self, group: usize, values: &mut [f64]) {
         let ([k1, k2, k3], [p1, p2]) = (self.distortion.k, self.distortion.p);
-        let own = if group == 0 { self.interior.values() } else { [k1, k2, k3, p1, p2] };
+        let own = match group {
+            0 => self.interior.values(),
+            1 => [k1, k2, k3, p1, p2],
+            _ => return,
+        };
         for (v, p) in values.iter_mut().zip(own) {
             *v = p;
         }
@@ -366,6 +407,9 @@ impl Adjustable for BrownCamera {
         if group == 0 {
             self.interior = self.interior.moved(step)?;
             return Ok(());
+        }
+        if group > 1 {
+            return Err(no_group(group));
         }
         let &[k1, k2, k3, p1, p2] = step else {
             return Err(Error::LengthMismatch {

@@ -1,6 +1,6 @@
 //! The frame camera: one exposure from one place.
 
-use nalgebra::{Matrix2x3, Point2, Point3, Rotation3, Vector3};
+use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
 
 use super::interior::InteriorOrientation;
 use super::{
@@ -8,6 +8,7 @@ use super::{
     SensorModel, collinearity,
 };
 use crate::error::{Error, ProjectionError};
+use crate::geometry::rotation::{RotationVector, orthonormalised};
 use crate::geometry::{Locus, Ray};
 
 /// A photograph taken from one place: an exterior orientation and a central model.
@@ -136,11 +137,13 @@ impl<C: CentralModel + Adjustable> Adjustable for Frame<C> {
             return Err(Error::NotFinite { what: "exterior orientation step" });
         }
         let center = self.exterior.projection_center() + Vector3::new(x, y, z);
-        let turn = Rotation3::from_scaled_axis(Vector3::new(a, b, c));
-        // Products of many small turns drift from orthonormal; one renormalising pass a step keeps them there.
-        let mut rotation = turn * self.exterior.camera_from_world();
-        rotation.renormalize();
-        self.exterior = ExteriorOrientation::new(center, rotation);
+        if !center.iter().all(|c| c.is_finite()) {
+            return Err(Error::NotFinite { what: "projection centre after a step" });
+        }
+        let turn = RotationVector { x: a, y: b, z: c }.rotation();
+        // Products of many small turns drift from orthonormal; renormalising at each step keeps them there.
+        let product = turn.matrix() * self.exterior.camera_from_world().matrix();
+        self.exterior = ExteriorOrientation::new(center, orthonormalised(&product)?);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, Vector3};
 
-use super::{Adjustable, CentralModel, ParameterGroup, collinearity};
+use super::{Adjustable, CentralModel, ParameterGroup, collinearity, no_group};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::Affine2;
 
@@ -263,13 +263,19 @@ impl Adjustable for InteriorOrientation {
         (group == 0).then_some(INTERIOR)
     }
 
-    fn parameters(&self, _group: usize, values: &mut [f64]) {
+    fn parameters(&self, group: usize, values: &mut [f64]) {
+        if group > 0 {
+            return;
+        }
         for (v, p) in values.iter_mut().zip(self.values()) {
             *v = p;
         }
     }
 
-    fn adjust(&mut self, _group: usize, step: &[f64]) -> Result<(), Error> {
+    fn adjust(&mut self, group: usize, step: &[f64]) -> Result<(), Error> {
+        if group > 0 {
+            return Err(no_group(group));
+        }
         *self = self.moved(step)?;
         Ok(())
     }

@@ -131,6 +131,15 @@ pub struct ParameterGroup {
     pub len: usize,
 }
 
+/// Why a group past the last cannot be moved.
+fn no_group(group: usize) -> Error {
+    Error::OutOfRange {
+        what: "parameter group",
+        value: group as f64,
+        expected: "a group that the model has",
+    }
+}
+
 /// A model whose parameters can be estimated from points.
 ///
 /// Parameters come in groups, so that a whole group can be shared between photographs or held. The object point is a
@@ -155,14 +164,14 @@ pub trait Adjustable {
     fn parameter_group(&self, group: usize) -> Option<ParameterGroup>;
 
     /// The current values of a group, written to a slice of its length. For a rotation, which is estimated as a small
-    /// vector about the current one, the values are zero.
+    /// vector about the current one, the values are zero. Nothing is written past the last group.
     fn parameters(&self, group: usize, values: &mut [f64]);
 
     /// Moves a group by a step.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where the result is no valid model, as a principal distance of zero; the model is then
-    /// unchanged.
+    /// [`Error::OutOfRange`] where the result is no valid model, as a principal distance of zero, or the group does not
+    /// exist; [`Error::LengthMismatch`]; [`Error::NotFinite`]. The model is then unchanged.
     fn adjust(&mut self, group: usize, step: &[f64]) -> Result<(), Error>;
 
     /// The image of an object point with its partial derivatives.

@@ -66,14 +66,21 @@ impl Affine2 {
     /// The map back.
     ///
     /// # Errors
-    /// [`Error::Degenerate`] where the determinant vanishes against the product of the columns' lengths.
+    /// [`Error::Degenerate`] where the determinant vanishes against the product of the columns' lengths;
+    /// [`Error::NotFinite`] where a coefficient, of the map or of its inverse, is not a number that can be written.
     pub fn inverse(&self) -> Result<Self, Error> {
         let area = self.linear.column(0).norm() * self.linear.column(1).norm();
         let determinant = self.linear.determinant();
         let limit = 8.0 * f64::EPSILON * area;
+        let not_finite = Error::NotFinite { what: "affine map or its inverse" };
+        if !(area.is_finite() && determinant.is_finite()) {
+            return Err(not_finite);
+        }
         match self.linear.try_inverse() {
             Some(inverse) if determinant.abs() > limit => {
-                Ok(Self { linear: inverse, translation: -(inverse * self.translation) })
+                let back = Self { linear: inverse, translation: -(inverse * self.translation) };
+                let finite = back.linear.iter().chain(&back.translation).all(|c| c.is_finite());
+                if finite { Ok(back) } else { Err(not_finite) }
             }
             _ => Err(Error::Degenerate { what: "affine map", measure: determinant.abs(), limit }),
         }

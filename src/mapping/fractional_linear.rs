@@ -7,7 +7,7 @@ use nalgebra::{
 };
 
 use super::span::Span;
-use super::{Map, RowCoords};
+use super::{Map, RowCoords, pointwise_row};
 use crate::camera::HomogeneousCamera;
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Homography, Plane};
@@ -139,8 +139,8 @@ impl FractionalLinear {
         let mut from = [Point2::origin(); 4];
         let mut to = [Point2::origin(); 4];
         for ((w, f), t) in world.iter().zip(&mut from).zip(&mut to) {
-            *f = screen.project(w)?;
-            *t = texture.project(w)?;
+            *f = screen.project_offset(&(w - screen.origin))?;
+            *t = texture.project_offset(&(w - texture.origin))?;
         }
         let plane = Plane::fit(world)?.plane;
         let eye = world_from_screen(&plane, screen)?.row(3).into_owned();
@@ -192,19 +192,20 @@ impl FractionalLinear {
         screen: &HomogeneousCamera,
     ) -> Result<Self, Error> {
         let [a, b, c] = world;
-        let centroid = a + ((b - a) + (c - a)) / 3.0;
+        // From a vertex: the sum of map coordinates would lose the digits that their differences keep.
+        let centroid_from_a = ((b - a) + (c - a)) / 3.0;
         let plane = Plane::through(a, b, c)?;
         let eye = world_from_screen(&plane, screen)?.row(3).into_owned();
         // Three vertices and an inner point are no convex quadrilateral; their homogeneous form needs none:
         // columns scaled so that they sum to the fourth point, on both sides.
         let basis = |camera: &HomogeneousCamera| -> Result<Matrix3<f64>, Error> {
-            let columns = [a, b, c].map(|p| camera.project(p));
+            let columns = [a, b, c].map(|p| camera.project_offset(&(p - camera.origin)));
             let mut matrix = Matrix3::zeros();
             for (i, column) in columns.into_iter().enumerate() {
                 let p = column?;
                 matrix.set_column(i, &Vector3::new(p.x, p.y, 1.0));
             }
-            let middle = camera.project(&centroid)?;
+            let middle = camera.project_offset(&(a - camera.origin + centroid_from_a))?;
             let edge_on =
                 Error::Degenerate { what: "triangle seen edge on", measure: 0.0, limit: 0.0 };
             let weights =
@@ -305,7 +306,8 @@ impl FractionalLinear {
         let [_, _, r] = self.coefficients();
         [r, self.eye_coefficients()].into_iter().fold(samples, |range, form| {
             let empty = range.start..range.start;
-            Span::<0>::on_line([], form, line).map_or(empty, |span| span.valid_interval(range))
+            let span = Span::<0>::on_line([], to_unit_magnitude(form), line);
+            span.map_or(empty, |span| span.valid_interval(range))
         })
     }
 }
@@ -329,18 +331,26 @@ impl HomogeneousCamera {
         Ok([row[2], row[0], row[1]])
     }
 
-    /// The pixel of a world point.
+    /// The pixel of a world point, given from this camera's origin.
     ///
     /// # Errors
     /// [`ProjectionError::BehindCamera`], [`ProjectionError::NotFinite`].
-    fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
-        let h = self.image_from_world * (world - self.origin).push(1.0);
+    fn project_offset(&self, from_origin: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {
+        let h = self.image_from_world * from_origin.push(1.0);
         if h.z > 0.0 {
             Ok(Point2::new(h.x / h.z, h.y / h.z))
         } else {
             Err(ProjectionError::BehindCamera { depth: h.z })
         }
     }
+}
+
+/// A form scaled by the power of two that brings its largest coefficient to [1, 2). What is then below 10⁻²⁴⁰ decides no
+/// sign, and a span does not take it.
+fn to_unit_magnitude(form: [f64; 3]) -> [f64; 3] {
+    let largest = form.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE);
+    form.map(|c| c / power).map(|c| if c.abs() < 1e-240 { 0.0 } else { c })
 }
 
 /// π about a camera's origin: (n, n·(O − P)).
@@ -396,13 +406,17 @@ impl Map for FractionalLinear {
         ) / w)
     }
 
-    /// Solves both conditions for their interval, then walks it with two additions and one division a pixel.
+    /// Solves both conditions for their interval, then walks it with three additions, one division and two products a pixel.
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
         out.clear();
-        let valid = self.valid_samples(line, samples);
         let [p, q, r] = self.coefficients();
-        if let Ok(span) = Span::on_line([p, q], r, line) {
-            span.walk(valid, |x, [u, v]| out.push_block(x, u, v));
+        match Span::on_line([p, q], r, line) {
+            Ok(span) => {
+                let valid = self.valid_samples(line, samples);
+                span.walk(valid, |x, [u, v]| out.push_block(x, u, v));
+            }
+            // Coefficients too small or too large for a span, which no camera has.
+            Err(_) => pointwise_row(|p| self.at(p), line, samples, out),
         }
     }
 }

@@ -88,12 +88,22 @@ pub trait Map: Debug + Send + Sync {
     /// The default asks [`at`](Self::at) at each pixel. A projective map solves for the valid interval instead and
     /// walks it with one division a pixel.
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
-        out.clear();
-        let y = f64::from(line) + 0.5;
-        for x in samples {
-            if let Ok(p) = self.at(&Point2::new(f64::from(x) + 0.5, y)) {
-                out.push(x, p.x, p.y);
-            }
+        pointwise_row(|p| self.at(p), line, samples, out);
+    }
+}
+
+/// A row by its pixels, one at a time.
+fn pointwise_row(
+    at: impl Fn(&Point2<f64>) -> Result<Point2<f64>, ProjectionError>,
+    line: i32,
+    samples: Range<i32>,
+    out: &mut RowCoords,
+) {
+    out.clear();
+    let y = f64::from(line) + 0.5;
+    for x in samples {
+        if let Ok(p) = at(&Point2::new(f64::from(x) + 0.5, y)) {
+            out.push(x, p.x, p.y);
         }
     }
 }

@@ -88,10 +88,12 @@ impl RowCoords {
     }
 
     /// Appends the pixel `x`, right of all before it. Coordinates that are NaN or beyond
-    /// [`COORDINATE_LIMIT`](Self::COORDINATE_LIMIT) leave the pixel out.
+    /// [`COORDINATE_LIMIT`](Self::COORDINATE_LIMIT) leave the pixel out, and so does the last x there is, which no range
+    /// of `i32` can end behind.
     #[inline]
     pub fn push(&mut self, x: i32, u: f64, v: f64) {
-        if !(u.abs() <= Self::COORDINATE_LIMIT && v.abs() <= Self::COORDINATE_LIMIT) {
+        let limit = Self::COORDINATE_LIMIT;
+        if !(u.abs() <= limit && v.abs() <= limit) || x == i32::MAX {
             return;
         }
         let origin = [Self::origin(u), Self::origin(v)];
@@ -112,9 +114,10 @@ impl RowCoords {
         let one_origin = |values: &[f64], origin: i32| {
             values.iter().all(|&c| c.abs() <= limit && Self::origin(c) == origin)
         };
-        if !(u.len() == v.len() && one_origin(u, origin[0]) && one_origin(v, origin[1])) {
-            for (i, (&u, &v)) in u.iter().zip(v).enumerate() {
-                self.push(x + i as i32, u, v);
+        let fits = i32::try_from(u.len()).is_ok_and(|len| x.checked_add(len).is_some());
+        if !(fits && u.len() == v.len() && one_origin(u, origin[0]) && one_origin(v, origin[1])) {
+            for (x, (&u, &v)) in (x..i32::MAX).zip(u.iter().zip(v)) {
+                self.push(x, u, v);
             }
             return;
         }

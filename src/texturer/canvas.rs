@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::polygon::ScreenPolygon;
-use super::scan::Span;
+use super::scan::PixelSpan;
 use crate::error::Error;
 use crate::mapping::{Map, RowCoords};
 use crate::resample::{Border, Filter, ImageView, ImageViewMut, Sample, Visit, visit_row};
@@ -125,7 +125,7 @@ impl<'a, T: Sample, const C: usize> Canvas<'a, T, C> {
     /// The nearness of what is in a pixel; `None` outside the picture and where nothing was painted.
     #[must_use]
     pub fn nearness(&self, x: usize, y: usize) -> Option<f32> {
-        if x >= self.width() {
+        if x >= self.width() || y >= self.height() {
             return None;
         }
         self.nearness.get(y * self.width() + x).copied().filter(|n| *n != f32::NEG_INFINITY)
@@ -149,7 +149,7 @@ impl<'a, T: Sample, const C: usize> Canvas<'a, T, C> {
         Ok(())
     }
 
-    fn fill(&mut self, span: &Span, [n0, n1, n2]: [f64; 3], paint: &Paint<'_, T, C>) {
+    fn fill(&mut self, span: &PixelSpan, [n0, n1, n2]: [f64; 3], paint: &Paint<'_, T, C>) {
         let y = span.y as usize;
         let width = self.color.width();
         let line = f64::from(span.y) + 0.5;

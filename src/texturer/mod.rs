@@ -23,4 +23,4 @@ pub use canvas::{Canvas, Paint};
 pub use coordinates::from_vertices;
 pub use interpolation::{bilinear_quad, linear_triangles};
 pub use polygon::{Facing, ScreenPolygon};
-pub use scan::Span;
+pub use scan::PixelSpan;

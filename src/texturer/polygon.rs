@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::scan::{self, SUBPIXELS, Snapped, Span};
+use super::scan::{self, PixelSpan, SUBPIXELS, Snapped};
 use crate::camera::HomogeneousCamera;
 use crate::error::Error;
 use crate::numeric::float;
@@ -58,20 +58,56 @@ pub struct ScreenPolygon {
 /// The screen is cut at ±2²⁰ pixels, so that edge crossings are exact in 64-bit integers.
 const GUARD_BAND: f64 = 1_048_576.0;
 
-/// Cuts a homogeneous polygon at `inside(v) ≥ 0`, a linear function (Sutherland & Hodgman 1974).
+/// The largest homogeneous coordinate of a vertex: products with the guard band stay far from overflow.
+const LARGEST_COORDINATE: f64 = 1e150;
+
+/// A bound at which a homogeneous polygon is cut.
+#[derive(Clone, Copy)]
+enum Cut {
+    /// w = near.
+    Near(f64),
+    /// x or y (0 or 1) = ±2²⁰ w.
+    Side(usize, f64),
+}
+
+impl Cut {
+    /// Not negative on the side that stays.
+    fn inside(self, v: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Near(near) => v.z - near,
+            Self::Side(axis, sign) => GUARD_BAND * v.z - sign * v[axis],
+        }
+    }
+
+    /// The point of an edge on the bound, from the inner end p and the outer end q.
+    ///
+    /// Weights instead of a step from p: of coordinates of 10¹⁰⁰ a step leaves nothing of the small ones. The bound's own
+    /// coordinate is set, for the same reason.
+    fn meet(self, p: &Vector3<f64>, q: &Vector3<f64>) -> Vector3<f64> {
+        let (fp, fq) = (self.inside(p), self.inside(q));
+        let mut v = p * (-fq / (fp - fq)) + q * (fp / (fp - fq));
+        match self {
+            Self::Near(near) => v.z = near,
+            Self::Side(axis, sign) => v[axis] = sign * GUARD_BAND * v.z,
+        }
+        v
+    }
+}
+
+/// Cuts a homogeneous polygon (Sutherland & Hodgman 1974).
 ///
 /// A concave polygon may come out with edges that run back along the cut; they enclose no area and cover no pixel.
-fn clip(polygon: &[Vector3<f64>], inside: impl Fn(&Vector3<f64>) -> f64) -> Vec<Vector3<f64>> {
+fn clip(polygon: &[Vector3<f64>], cut: Cut) -> Vec<Vector3<f64>> {
     let mut out = Vec::with_capacity(polygon.len() + 2);
     for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
-        let (fa, fb) = (inside(a), inside(b));
-        if fa >= 0.0 {
+        let (a_stays, b_stays) = (cut.inside(a) >= 0.0, cut.inside(b) >= 0.0);
+        if a_stays {
             out.push(*a);
         }
-        if (fa >= 0.0) != (fb >= 0.0) {
+        if a_stays != b_stays {
             // Always from the inner to the outer end: the neighbour across this edge computes the same point.
-            let (p, q, fp, fq) = if fa >= 0.0 { (a, b, fa, fb) } else { (b, a, fb, fa) };
-            out.push(p + (q - p) * (fp / (fp - fq)));
+            let (p, q) = if a_stays { (a, b) } else { (b, a) };
+            out.push(cut.meet(p, q));
         }
     }
     out
@@ -83,7 +119,7 @@ impl ScreenPolygon {
     ///
     /// # Errors
     /// [`Error::TooFewPoints`] for fewer than three vertices, [`Error::NotFinite`], and [`Error::OutOfRange`] for a near
-    /// distance that is not positive.
+    /// distance that is not positive or a homogeneous coordinate beyond 10¹⁵⁰.
     pub fn project(
         world: &[Point3<f64>],
         screen: &HomogeneousCamera,
@@ -103,15 +139,24 @@ impl ScreenPolygon {
             .iter()
             .map(|p| screen.image_from_world() * (p - screen.origin()).push(1.0))
             .collect();
-        if !homogeneous.iter().all(|v| v.iter().all(|c| c.is_finite())) {
-            return Err(Error::NotFinite { what: "polygon vertex" });
+        for value in homogeneous.iter().flatten().copied() {
+            if !value.is_finite() {
+                return Err(Error::NotFinite { what: "polygon vertex" });
+            }
+            if value.abs() > LARGEST_COORDINATE {
+                return Err(Error::OutOfRange {
+                    what: "homogeneous coordinate of a polygon vertex",
+                    value,
+                    expected: "at most 1e150 in magnitude",
+                });
+            }
         }
         // A parallel screen has w = 1 everywhere.
         let near = if screen.is_parallel() { 0.5 } else { near };
-        let mut clipped = clip(&homogeneous, |v| v.z - near);
+        let mut clipped = clip(&homogeneous, Cut::Near(near));
         for axis in 0..2 {
-            for side in [1.0, -1.0] {
-                clipped = clip(&clipped, |v| GUARD_BAND * v.z - side * v[axis]);
+            for sign in [1.0, -1.0] {
+                clipped = clip(&clipped, Cut::Side(axis, sign));
             }
         }
         let vertices: Vec<Point2<f64>> =
@@ -199,7 +244,7 @@ impl ScreenPolygon {
 
     /// Visits the polygon's pixels inside a picture, row by row: a pixel belongs to it if its centre does, by the top-left
     /// rule on edges.
-    pub fn spans(&self, width: usize, height: usize, visit: impl FnMut(Span)) {
+    pub fn spans(&self, width: usize, height: usize, visit: impl FnMut(PixelSpan)) {
         scan::scan(&self.snapped, width, height, visit);
     }
 }

@@ -12,7 +12,7 @@ pub(super) type Snapped = [i32; 2];
 
 /// The pixels `x` of row `y`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct PixelSpan {
     /// The row.
     pub y: i32,
     /// The pixels of the row, left to right.
@@ -59,14 +59,19 @@ impl Edge {
 /// below a top edge (the top-left rule of Direct3D and OpenGL's common practice), so polygons that share an edge cover
 /// each pixel once. Where the outline crosses itself, a pixel is inside if a ray from it crosses the outline an odd
 /// number of times. Concave polygons need nothing special.
-pub(super) fn scan(vertices: &[Snapped], width: usize, height: usize, mut visit: impl FnMut(Span)) {
+pub(super) fn scan(
+    vertices: &[Snapped],
+    width: usize,
+    height: usize,
+    mut visit: impl FnMut(PixelSpan),
+) {
     let mut edges: Vec<Edge> = vertices
         .iter()
         .zip(vertices.iter().cycle().skip(1))
         .filter_map(|(&a, &b)| Edge::new(a, b))
         .collect();
     edges.sort_unstable_by_key(|e| e.rows.0);
-    let (width, height) = (width as i32, height as i32);
+    let [width, height] = [width, height].map(|n| i32::try_from(n).unwrap_or(i32::MAX));
     let last = edges.iter().map(|e| e.rows.1).max().unwrap_or(0).min(height);
     let mut waiting = edges.iter().copied().peekable();
     let mut active: Vec<Edge> = Vec::new();
@@ -83,7 +88,7 @@ pub(super) fn scan(vertices: &[Snapped], width: usize, height: usize, mut visit:
         for pair in crossings.chunks_exact(2) {
             let x = pair[0].max(0)..pair[1].min(width);
             if !x.is_empty() {
-                visit(Span { y: row, x });
+                visit(PixelSpan { y: row, x });
             }
         }
         row += 1;

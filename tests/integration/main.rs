@@ -13,6 +13,7 @@
 mod affine;
 mod camera;
 mod contracts;
+mod extremes;
 mod geodetic;
 mod homography;
 mod layers;

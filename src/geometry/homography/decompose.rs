@@ -19,6 +19,7 @@ use nalgebra::{Matrix3, Point2, Rotation3, Unit, UnitVector3, Vector3};
 use super::Homography;
 use crate::error::Error;
 use crate::geometry::Pose;
+use crate::geometry::rotation::orthonormalised;
 use crate::numeric::float;
 use crate::numeric::triangular::Triangular;
 
@@ -71,7 +72,7 @@ const ALONG_NORMAL: f64 = 1e-7;
 ///
 /// # Errors
 /// [`Error::OutOfRange`] or [`Error::NotFinite`] for a K of another form, [`Error::Degenerate`] where K⁻¹H has lost its
-/// regularity.
+/// regularity, [`Error::Inconsistent`] where so few digits are left that no rotation is near.
 ///
 /// # Example
 /// ```
@@ -111,7 +112,7 @@ pub fn pose_from_plane(
     let difference = float::hypot(aa - bb, 2.0 * ab);
     Ok(PlanePose {
         pose: Pose::from_rotation_translation(
-            Rotation3::from_matrix_unchecked(rotation),
+            orthonormalised(&rotation)?,
             m.column(2) / (0.5 * sum),
         ),
         residual: difference / (sum * sum),
@@ -135,7 +136,8 @@ pub fn pose_from_plane(
 ///
 /// # Errors
 /// [`Error::OutOfRange`] or [`Error::NotFinite`] for a K of another form; [`Error::Degenerate`] where the matrix is singular
-/// to rounding or a reflection, with σ₃/σ₁ as the measure.
+/// to rounding or a reflection, with σ₃/σ₁ as the measure; [`Error::Inconsistent`] where so few digits are left that no
+/// rotation is near.
 ///
 /// # Example
 /// ```
@@ -178,7 +180,7 @@ pub fn decompose(
             return Err(degenerate);
         }
         let scaled = Matrix3::from_fn(|i, j| v[(i, j)] * sigma[1] / sigma[j]);
-        let rotation = Rotation3::from_matrix_unchecked(a * scaled * v.transpose());
+        let rotation = orthonormalised(&(a * scaled * v.transpose()))?;
         return Ok(alloc::vec![PlaneMotion {
             rotation,
             translation: Vector3::zeros(),
@@ -202,7 +204,7 @@ pub fn decompose(
         let (n, v2_turned, u_turned) = (v2.cross(&u), a * v2, a * u);
         let from = Matrix3::from_columns(&[v2, u, n]);
         let to = Matrix3::from_columns(&[v2_turned, u_turned, v2_turned.cross(&u_turned)]);
-        let rotation = Rotation3::from_matrix_unchecked(to * from.transpose());
+        let rotation = orthonormalised(&(to * from.transpose()))?;
         let translation = a * n - rotation * n;
         for side in [1.0, -1.0] {
             motions.push(PlaneMotion {

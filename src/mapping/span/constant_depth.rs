@@ -105,10 +105,11 @@ impl<const N: usize> ConstantDepthLines<N> {
         float::floor(self.slope * (f64::from(major) + 0.5) + 0.5) as i32
     }
 
-    /// The number k of the line that a pixel belongs to.
+    /// The number k of the line that a pixel belongs to; at the ends of `i32` the nearest number there is.
     #[must_use]
     pub fn line_of(&self, x: i32, y: i32) -> i32 {
-        if self.x_major { y - self.offset(x) } else { x - self.offset(y) }
+        let (major, minor) = if self.x_major { (x, y) } else { (y, x) };
+        minor.saturating_sub(self.offset(major))
     }
 
     /// Visits each pixel of the rectangle `columns` × `rows` whose denominator is positive, once, line by line, with

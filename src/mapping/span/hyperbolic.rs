@@ -127,6 +127,9 @@ impl<const N: usize> Span<N> {
     pub fn walk_bound(&self, range: Range<i32>) -> [f64; N] {
         let valid = self.valid_interval(range);
         let mut bound = [0.0; N];
+        if valid.is_empty() {
+            return bound;
+        }
         let mut anchor = valid.start & !(BLOCK as i32 - 1);
         while anchor < valid.end {
             let block = anchor..anchor + BLOCK as i32;
