@@ -17,6 +17,7 @@
 use nalgebra::{Matrix2x3, Matrix3, Point2, Vector3};
 
 use crate::error::ProjectionError;
+use crate::numeric::float;
 use crate::numeric::scalar::Scalar;
 
 /// \[WD\] eq. 4a with μ divided out.
@@ -36,6 +37,18 @@ pub(super) fn normalised_point(direction: &Vector3<f64>) -> Result<Point2<f64>, 
     }
     let [x, y] = normalised([direction.x, direction.y, direction.z]);
     finite(Point2::new(x, y))
+}
+
+/// The unit vector along (x, y, 1) of a normalised image point.
+#[inline]
+pub(super) fn unit_direction(normalised: &Point2<f64>) -> Vector3<f64> {
+    let direction = Vector3::new(normalised.x, normalised.y, 1.0);
+    let squared = direction.norm_squared();
+    if squared.is_finite() {
+        return direction / float::sqrt(squared);
+    }
+    // The squares of 10¹⁵⁵ have left the numbers, its direction has not.
+    (direction / direction.amax()).normalize()
 }
 
 /// ∂(X/Z, Y/Z)/∂(X, Y, Z), from the normalised point and the depth.

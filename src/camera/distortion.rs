@@ -382,7 +382,7 @@ impl CentralModel for BrownCamera {
     fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
         let distorted = self.interior.normalised_from_pixel(image);
         let ideal = self.distortion.undistort(&distorted)?.point;
-        Ok(Vector3::new(ideal.x, ideal.y, 1.0).normalize())
+        Ok(collinearity::unit_direction(&ideal))
     }
 }
 

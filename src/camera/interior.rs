@@ -254,7 +254,7 @@ impl CentralModel for InteriorOrientation {
 
     fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
         let n = collinearity::finite(self.normalised_from_pixel(image))?;
-        Ok(Vector3::new(n.x, n.y, 1.0).normalize())
+        Ok(collinearity::unit_direction(&n))
     }
 }
 

@@ -39,6 +39,58 @@ use crate::geometry::{Locus, Surface};
 ///
 /// [`project_direction`](Self::project_direction) after [`direction`](Self::direction) is the identity, and the other
 /// way around up to the direction's length, within the domain.
+///
+/// # Example
+/// A model of one's own: the equidistant fisheye r = f θ, at 60° from its axis and 30° right of down.
+///
+/// ```
+/// use collinear::ProjectionError;
+/// use collinear::camera::CentralModel;
+/// use nalgebra::{Matrix2x3, Point2, Vector3};
+///
+/// #[derive(Debug)]
+/// struct Equidistant(f64);
+///
+/// impl CentralModel for Equidistant {
+///     fn project_direction(&self, d: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {
+///         let across = d.x.hypot(d.y);
+///         let r = self.0 * across.atan2(d.z) / across.max(f64::MIN_POSITIVE);
+///         Ok(Point2::new(r * d.x, r * d.y))
+///     }
+///     fn project_direction_jacobian(
+///         &self,
+///         d: &Vector3<f64>,
+///     ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+///         let (across, all) = (d.x.hypot(d.y), d.norm());
+///         let (s, c) = (d.x / across, d.y / across);
+///         let along = self.0 * d.z / (all * all);
+///         let around = self.0 * across.atan2(d.z) / across;
+///         let by_z = -self.0 * across / (all * all);
+///         let off = (along - around) * s * c;
+///         let rows = [
+///             [along * s * s + around * c * c, off, by_z * s],
+///             [off, along * c * c + around * s * s, by_z * c],
+///         ];
+///         Ok((self.project_direction(d)?, Matrix2x3::from_fn(|i, j| rows[i][j])))
+///     }
+///     fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
+///         let r = image.coords.norm();
+///         let (sine, cosine) = (r / self.0).sin_cos();
+///         Ok(Vector3::new(sine * image.x / r, sine * image.y / r, cosine))
+///     }
+/// }
+///
+/// let camera = Equidistant(300.0);
+/// let (across, along) = (60f64.to_radians().sin(), 60f64.to_radians().cos());
+/// let (right, down) = (across * 30f64.to_radians().sin(), across * 30f64.to_radians().cos());
+/// let (p, slopes) = camera.project_direction_jacobian(&Vector3::new(right, down, along))?;
+/// // 300 · π/3 = 314.159…, half of it to the right
+/// assert!((p - Point2::new(157.07963267948966, 272.0699046351327)).norm() < 1e-12);
+/// assert!((camera.direction(&p)? - Vector3::new(right, down, along)).norm() < 1e-15);
+/// // Along the direction itself nothing changes.
+/// assert!((slopes * Vector3::new(right, down, along)).norm() < 1e-12);
+/// # Ok::<(), ProjectionError>(())
+/// ```
 pub trait CentralModel: Debug + Send + Sync {
     /// The image (pixels) of a direction in camera axes, of any positive length.
     ///

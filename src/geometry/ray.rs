@@ -55,6 +55,29 @@ impl Ray {
 /// as a cubic in the parameter h over the interval where it holds,
 /// X(h) = c₀ + c₁ s + c₂ s² + c₃ s³ with s = h − h₀, and `error_bound` says how far it may be from the sensor's own
 /// equations.
+///
+/// # Example
+/// A line of sight that leans by 3 in 4 and bends by 10⁻³ s², on a terrace at 20: s = 10, x = 7.5 + 0.1.
+///
+/// ```
+/// use collinear::geometry::{HeightCurve, Plane, Surface};
+/// use nalgebra::{Point3, Vector3};
+///
+/// let curve = HeightCurve {
+///     coefficients: [
+///         Vector3::new(0.0, 0.0, 10.0),
+///         Vector3::new(0.75, 0.0, 1.0),
+///         Vector3::new(1e-3, 0.0, 0.0),
+///         Vector3::zeros(),
+///     ],
+///     reference_height: 10.0,
+///     heights: [0.0, 50.0],
+///     error_bound: 1e-6,
+/// };
+/// let terrace = Plane::from_point_and_normal(Point3::new(0.0, 0.0, 20.0), Vector3::z())?;
+/// assert!((terrace.meet_curve(&curve)? - Point3::new(7.6, 0.0, 20.0)).norm() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightCurve {
     /// c₀ to c₃, in world units.

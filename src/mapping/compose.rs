@@ -141,6 +141,23 @@ impl PhotographMap {
 ///
 /// *Domain.* Pixels that an ideal point within the fold radius has for its image. *Accuracy.* As
 /// [`Brown::undistort`](crate::camera::Brown::undistort); a few Newton steps a pixel.
+///
+/// # Example
+/// OpenCV 5.0.0's `projectPoints` puts (0.31, −0.22, 1) at this pixel (half a pixel on, as its centres are integers);
+/// without the lens it would be at 320 + 310, 240 − 220:
+///
+/// ```
+/// use collinear::camera::{Brown, BrownCamera, InteriorOrientation};
+/// use collinear::mapping::{Map, UndistortMap};
+/// use nalgebra::Point2;
+///
+/// let interior = InteriorOrientation::from_opencv(1000.0, 1000.0, 319.5, 239.5)?;
+/// let lens = Brown::new([-0.28, 0.07, 0.002], [1e-3, -5e-4])?;
+/// let map = UndistortMap::new(BrownCamera::new(interior, lens));
+/// let ideal = map.at(&Point2::new(617.6076220865975, 28.88781658370502))?;
+/// assert!((ideal - Point2::new(630.0, 20.0)).norm() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "undistort")]
 pub struct UndistortMap {

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use super::float;
 use crate::error::Error;
 
-/// A family of models that can be fitted to few observations and judged by all.
+/// A family of models that can be fitted to few observations and judged by all. [`search`] shows one.
 pub trait Estimator {
     /// One model.
     type Model: Clone;

@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::float;
 
-/// A sum of squares that can be linearised, solved for a damped step and moved along it.
+/// A sum of squares that can be linearised, solved for a damped step and moved along it. [`minimise`] shows one.
 pub trait Problem {
     /// The unknowns at one place.
     type State: Clone;
@@ -197,6 +197,25 @@ pub fn minimise<P: Problem>(
 }
 
 /// Normal equations of a problem with `N` unknowns, gathered row by row.
+///
+/// # Example
+/// The line through (1, 6), (2, 5), (3, 7), (4, 10) in Wikipedia's *Linear least squares*: y = 3.5 + 1.4 x, the squares of
+/// the residuals summing to 4.2.
+///
+/// ```
+/// use collinear::numeric::least_squares::NormalEquations;
+/// use nalgebra::Vector2;
+///
+/// let mut line = NormalEquations::<2>::default();
+/// for (x, y) in [(1.0, 6.0), (2.0, 5.0), (3.0, 7.0), (4.0, 10.0)] {
+///     line.add(&Vector2::new(1.0, x), -y, 1.0); // the residual at a + b x = 0
+/// }
+/// let solved = line.solve(0.0, &Vector2::new(1.0, 1.0)).ok_or("regular")?;
+/// assert!((solved.step - Vector2::new(3.5, 1.4)).norm() < 1e-14);
+/// // Half of 6² + 5² + 7² + 10² = 210, and half of 4.2 left.
+/// assert!((105.0 - solved.predicted_decrease - 2.1).abs() < 1e-12);
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct NormalEquations<const N: usize> {
     matrix: SMatrix<f64, N, N>,

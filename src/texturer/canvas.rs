@@ -10,6 +10,34 @@ use crate::mapping::{Map, RowCoords};
 use crate::resample::{Border, Filter, ImageView, ImageViewMut, Sample, Visit, visit_row};
 
 /// What a polygon is painted with.
+///
+/// # Example
+/// A picture of two pixels laid over a row of four: the map halves x, and the nearest texel of 0.25, 0.75, 1.25, 1.75 is
+/// the first, the first, the second, the second.
+///
+/// ```
+/// use collinear::camera::{ExteriorOrientation, Orthographic};
+/// use collinear::geometry::Affine2;
+/// use collinear::resample::{Border, Filter, ImageView, ImageViewMut};
+/// use collinear::texturer::{Canvas, Paint, ScreenPolygon};
+/// use nalgebra::{Point3, Rotation3};
+///
+/// let flat = ExteriorOrientation::new(Point3::origin(), Rotation3::identity());
+/// let screen = Orthographic::new(flat, Affine2::identity())?.homogeneous();
+/// let strip = [(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (0.0, 1.0)].map(|(x, y)| Point3::new(x, y, 1.0));
+/// let halved = Affine2::from_coefficients([0.0, 0.5, 0.0], [0.0, 0.0, 1.0]);
+/// let paint = Paint::Texture {
+///     image: ImageView::<u8, 1>::new(&[7, 9], 2, 1)?,
+///     map: &halved,
+///     filter: Filter::Nearest,
+///     border: Border::Transparent,
+/// };
+/// let mut pixels = [0u8; 4];
+/// let mut canvas = Canvas::new(ImageViewMut::<u8, 1>::new(&mut pixels, 4, 1)?);
+/// canvas.draw(&ScreenPolygon::project(&strip, &screen, 0.1)?, [1.0, 0.0, 0.0], &paint)?;
+/// assert_eq!(pixels, [7, 7, 9, 9]);
+/// # Ok::<(), collinear::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub enum Paint<'a, T, const C: usize> {
     /// One value.

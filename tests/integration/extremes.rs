@@ -1,7 +1,7 @@
 //! Numbers at the ends of their range: an answer, an error or nothing, but never a panic, a hang or a plausible number.
 
 use collinear::camera::{
-    Adjustable, Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation,
+    Adjustable, Brown, BrownCamera, CentralModel, ExteriorOrientation, Frame, InteriorOrientation,
 };
 use collinear::error::{Error, ProjectionError};
 use collinear::geometry::homography::decompose::decompose;
@@ -89,6 +89,19 @@ fn the_lens_is_inverted_at_any_distance_or_says_that_it_is_not() {
                 assert!(found.residual <= 1e-14 * x, "{lens:?} {x} {found:?}");
             }
         }
+    }
+}
+
+#[test]
+fn a_pixel_of_any_size_has_a_direction() {
+    let half = 0.5f64.sqrt();
+    for (pixel, expected) in [
+        ((1e155, 0.0), Vector3::x()),
+        ((-1e300, 1e300), Vector3::new(-half, half, 0.0)),
+        ((0.0, 1e308), Vector3::y()),
+    ] {
+        let d = interior().direction(&Point2::new(pixel.0, pixel.1)).unwrap();
+        assert!((d - expected).norm() < 1e-15, "{d:?}");
     }
 }
 
