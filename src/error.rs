@@ -77,6 +77,12 @@ pub enum Error {
         /// Column of the void node.
         column: usize,
     },
+    /// A name that is none of those known.
+    #[error("unknown {what}")]
+    Unknown {
+        /// What was named.
+        what: &'static str,
+    },
     /// Fewer points than the unknowns need.
     #[error("{got} points given, {needed} needed")]
     TooFewPoints {

@@ -107,6 +107,34 @@ impl InteriorOrientation {
         Self::new([fx, fy], Point2::new(cx + 0.5, cy + 0.5), 0.0)
     }
 
+    /// Of a whole equirectangular panorama of w × h pixels: fx = w/2π, fy = h/π, the principal point in the middle.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn from_whole_panorama(width: f64, height: f64) -> Result<Self, Error> {
+        let distance = [width / core::f64::consts::TAU, height / core::f64::consts::PI];
+        Self::new(distance, Point2::new(0.5 * width, 0.5 * height), 0.0)
+    }
+
+    /// From Agisoft Metashape's f, cx, cy, b₁ and b₂ in pixels and the picture's size.
+    ///
+    /// ```text
+    /// u = w/2 + cx + x′ (f + b₁) + y′ b₂,   v = h/2 + cy + y′ f
+    /// ```
+    /// (Agisoft, Metashape user manual, appendix *Camera models*; u, v from the picture's top-left corner.)
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn from_metashape(
+        size: [f64; 2],
+        f: f64,
+        [cx, cy]: [f64; 2],
+        [b1, b2]: [f64; 2],
+    ) -> Result<Self, Error> {
+        let principal = Point2::new(0.5 * size[0] + cx, 0.5 * size[1] + cy);
+        Self::new([f + b1, f], principal, b2)
+    }
+
     /// From a photogrammetric calibration: principal distance c > 0 and principal point in millimetres in the photo
     /// system (x right, y up), and the affine map from photo millimetres to pixels that the fiducial marks give.
     ///

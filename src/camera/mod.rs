@@ -10,24 +10,38 @@
 //!
 #![doc = include_str!("../../docs/figures/camera.svg")]
 
+mod central;
+pub mod central_projection;
 mod collinearity;
-mod distortion;
+mod colmap;
+pub mod distortion;
 mod exterior;
 mod frame;
 mod homogeneous;
 mod interior;
 mod orthographic;
+mod parameters;
 
 use core::fmt::Debug;
 
 use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
 
-pub use distortion::{Brown, BrownCamera, Undistorted};
+pub use central::{BrownCamera, CentralCamera, FisheyeCamera};
+pub use central_projection::{
+    CentralProjection, Division, DoubleSphere, EnhancedUnified, FieldOfView, Fisheye, Gnomonic,
+    Panorama, UnifiedSphere,
+};
+pub use colmap::{COLMAP_MODELS, from_colmap};
+pub use distortion::{
+    Brown, Distortion, EvenRadial, Fraser, Metashape, NoDistortion, RadialTangentialThinPrism,
+    Rational, ThinPrism, Undistorted,
+};
 pub use exterior::ExteriorOrientation;
 pub use frame::Frame;
 pub use homogeneous::HomogeneousCamera;
 pub use interior::InteriorOrientation;
 pub use orthographic::Orthographic;
+pub use parameters::Parametrised;
 
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Locus, Surface};

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Point2};
 
 use super::{FractionalLinear, Map};
-use crate::camera::{BrownCamera, Frame, HomogeneousCamera};
+use crate::camera::{BrownCamera, Distortion, Frame, HomogeneousCamera};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::Plane;
 

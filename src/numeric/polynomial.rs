@@ -28,7 +28,7 @@ pub(crate) fn evaluate(coefficients: &[f64], x: f64) -> f64 {
 }
 
 /// The largest number of coefficients [`roots_in`] takes.
-pub(crate) const MAX_COEFFICIENTS: usize = 10;
+pub(crate) const MAX_COEFFICIENTS: usize = 18;
 
 /// The real roots of c₀ + c₁ x + … in the open interval (low, high), ascending, written to `roots`; returns how many.
 ///

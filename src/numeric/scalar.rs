@@ -24,6 +24,12 @@ pub(crate) trait Scalar:
     fn sqrt(self) -> Self;
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
+    /// The angle of (x, y) = (`other`, `self`), in (−π, π].
+    #[cfg_attr(
+        not(test),
+        allow(dead_code, reason = "duals check the projections' slopes in tests")
+    )]
+    fn atan2(self, other: Self) -> Self;
     /// Multiplied by a constant.
     fn scale(self, factor: f64) -> Self {
         self * Self::constant(factor)
@@ -46,6 +52,10 @@ impl Scalar for f64 {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         float::sin_cos(self)
+    }
+    #[inline]
+    fn atan2(self, other: Self) -> Self {
+        float::atan2(self, other)
     }
 }
 
@@ -129,5 +139,11 @@ impl<const N: usize> Scalar for Dual<N> {
     fn sin_cos(self) -> (Self, Self) {
         let (s, c) = float::sin_cos(self.value);
         (self.chain(s, c), self.chain(c, -s))
+    }
+    fn atan2(self, other: Self) -> Self {
+        let squared = self.value * self.value + other.value * other.value;
+        self.zip(other, float::atan2(self.value, other.value), |y, x| {
+            (y * other.value - x * self.value) / squared
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 use collinear::camera::{
-    Brown, BrownCamera, CentralModel, ExteriorOrientation, Frame, InteriorOrientation,
+    Brown, BrownCamera, CentralModel, Distortion, ExteriorOrientation, Frame, InteriorOrientation,
     Orthographic, SensorModel,
 };
 use collinear::geometry::geodetic::{Ellipsoid, EllipsoidalHeight};

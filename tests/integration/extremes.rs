@@ -1,7 +1,8 @@
 //! Numbers at the ends of their range: an answer, an error or nothing, but never a panic, a hang or a plausible number.
 
 use collinear::camera::{
-    Adjustable, Brown, BrownCamera, CentralModel, ExteriorOrientation, Frame, InteriorOrientation,
+    Adjustable, Brown, BrownCamera, CentralModel, Distortion, ExteriorOrientation, Frame,
+    InteriorOrientation,
 };
 use collinear::error::{Error, ProjectionError};
 use collinear::geometry::homography::decompose::decompose;

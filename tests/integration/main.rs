@@ -12,6 +12,7 @@
 
 mod affine;
 mod camera;
+mod central_models;
 mod contracts;
 mod extremes;
 mod geodetic;

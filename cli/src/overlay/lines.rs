@@ -1,6 +1,7 @@
 //! Edges of the world as lines of a picture.
 
 use anyhow::{Result, anyhow};
+use collinear::camera::Distortion;
 use collinear::camera::{CentralModel, SensorModel};
 use collinear::geometry::Pose;
 use collinear::nalgebra::{Point2, Point3, Vector3};

@@ -1,0 +1,248 @@
+//! The central models against OpenCV and COLMAP, and the laws that each of them keeps.
+
+use std::f64::consts::{PI, TAU};
+
+use collinear::camera::{
+    Adjustable, Brown, CentralCamera, CentralModel, CentralProjection, Distortion, Division,
+    DoubleSphere, EnhancedUnified, EvenRadial, FieldOfView, Fisheye, Fraser, Gnomonic,
+    InteriorOrientation, Metashape, NoDistortion, Panorama, RadialTangentialThinPrism, Rational,
+    ThinPrism, UnifiedSphere, from_colmap,
+};
+use collinear::nalgebra::{Point2, Point3, Vector2, Vector3};
+use serde_json::Value;
+
+fn numbers(v: &Value) -> Vec<f64> {
+    v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
+}
+
+fn cases(program: &str) -> Vec<(String, Vec<f64>, Vec<(Vector3<f64>, Point2<f64>)>)> {
+    let all: Value =
+        serde_json::from_str(include_str!("../data/oracles/central_models.json")).unwrap();
+    let of_program = |c: &&Value| c["program"] == program;
+    let case = |c: &Value| {
+        let points = c["directions"].as_array().unwrap().iter().zip(c["image"].as_array().unwrap());
+        let points =
+            points.map(|(d, p)| (Vector3::from_vec(numbers(d)), Point2::from_slice(&numbers(p))));
+        (c["model"].as_str().unwrap().to_owned(), numbers(&c["parameters"]), points.collect())
+    };
+    all["cases"].as_array().unwrap().iter().filter(of_program).map(case).collect()
+}
+
+fn agrees(
+    name: &str,
+    camera: &dyn CentralModel,
+    points: &[(Vector3<f64>, Point2<f64>)],
+    shift: f64,
+) {
+    assert!(points.len() >= 10, "{name}");
+    for (direction, image) in points {
+        let ours = camera.project_direction(direction).unwrap();
+        let off = (ours - Vector2::repeat(shift) - image).norm();
+        assert!(off < 1e-9, "{name}: {ours} for {image} at {direction}");
+        let back = camera.direction(&ours).unwrap();
+        assert!((back - direction.normalize()).norm() < 1e-12, "{name}: {back} for {direction}");
+    }
+}
+
+#[test]
+fn colmaps_eighteen_models_project_as_colmap_does() {
+    let cases = cases("pycolmap");
+    assert_eq!(cases.len(), 18);
+    for (model, parameters, points) in cases {
+        agrees(&model, &*from_colmap(&model, &parameters).unwrap(), &points, 0.0);
+        assert!(from_colmap(&model, &parameters[1..]).is_err());
+    }
+    assert!(from_colmap("OPENCV2", &[1.0; 8]).is_err());
+}
+
+/// OpenCV's pixel (0, 0) is the centre of the first pixel.
+#[test]
+fn opencvs_models_project_as_opencv_does() {
+    let cases = cases("OpenCV");
+    assert_eq!(cases.len(), 6);
+    for (model, parameters, points) in cases {
+        let (k, coefficients) = parameters.split_at(4);
+        let interior = InteriorOrientation::from_opencv(k[0], k[1], k[2], k[3]).unwrap();
+        if model == "fisheye" {
+            let lens = EvenRadial::new(coefficients.try_into().unwrap()).unwrap();
+            let camera = CentralCamera::from_parts(interior, Fisheye::Equidistant, lens);
+            agrees(&model, &camera, &points, 0.5);
+        } else {
+            let lens = Rational::from_opencv(coefficients).unwrap();
+            assert_eq!(lens.to_opencv()[..coefficients.len()], *coefficients);
+            agrees(&model, &CentralCamera::from_parts(interior, Gnomonic, lens), &points, 0.5);
+        }
+    }
+}
+
+/// The largest angle from the axis, at most `widest`, at which a direction has an image, for a direction around the axis.
+fn edge(camera: &dyn CentralModel, around: f64, widest: f64) -> f64 {
+    let sees = |angle: f64| camera.project_direction(&at(angle, around)).is_ok();
+    if sees(widest) {
+        return widest;
+    }
+    let (mut inside, mut outside) = (0.0, widest);
+    for _ in 0..60 {
+        let middle = 0.5 * (inside + outside);
+        if sees(middle) { inside = middle } else { outside = middle }
+    }
+    inside
+}
+
+fn at(angle: f64, around: f64) -> Vector3<f64> {
+    let ((s, c), (sa, ca)) = (angle.sin_cos(), around.sin_cos());
+    Vector3::new(s * ca, s * sa, c)
+}
+
+/// What every central model keeps, out to the edge of its domain.
+fn check_model<P: CentralProjection, D: Distortion>(projection: P, distortion: D, degrees: f64) {
+    let interior =
+        InteriorOrientation::new([611.3, 598.7], Point2::new(513.4, 391.9), 0.7).unwrap();
+    let camera = CentralCamera::from_parts(interior, projection, distortion);
+    let mut groups = Vec::new();
+    while let Some(group) = camera.parameter_group(groups.len()) {
+        groups.push(group.len);
+    }
+    let mut influence: Vec<Vec<f64>> = groups.iter().map(|len| vec![0.0; *len]).collect();
+    for step in 0..24 {
+        let around = TAU * (f64::from(step) + 0.37) / 24.0;
+        let rim = edge(&camera, around, degrees.to_radians().min(PI - 1e-3));
+        assert!(rim > 0.3, "{camera:?} sees {rim}");
+        for share in [0.0, 1e-6, 0.1, 0.35, 0.6, 0.8, 0.95, 0.999] {
+            let direction = at(rim * share, around);
+            let image = camera.project_direction(&direction).unwrap();
+            let longer = camera.project_direction(&(direction * 37.0)).unwrap();
+            // Nanopixels, relative where a lens throws its edge far beyond a picture.
+            let size = 1.0 + image.coords.norm() / 1e4;
+            let alone = (longer - image).norm();
+            assert!(alone < 1e-9 * size, "{camera:?} is not of the direction alone");
+
+            // Back and forth: in the image always, in direction as its slope allows.
+            let back = camera.direction(&image).unwrap();
+            assert!((back.norm() - 1.0).abs() < 1e-14, "{camera:?}");
+            let again = camera.project_direction(&back).unwrap();
+            let off = (again - image).norm();
+            assert!(off < 1e-9 * size, "{camera:?} {share}: {again} for {image}");
+            let (_, slopes) = camera.project_direction_jacobian(&direction).unwrap();
+            let weakest = slopes.svd(false, false).singular_values[1] / 600.0;
+            let tolerance = 1e-13 * (1.0 + 1.0 / weakest);
+            assert!((back - direction).norm() < tolerance, "{camera:?} {share}: {weakest}");
+
+            check_slopes(&camera, &direction, &groups, &mut influence);
+        }
+        if rim < degrees.to_radians().min(PI - 1e-3) {
+            let beyond = camera.project_direction(&at(rim + 1e-3, around));
+            assert!(beyond.is_err(), "{camera:?}: the edge comes back");
+        }
+    }
+    for (group, parameters) in influence.iter().enumerate() {
+        for (i, largest) in parameters.iter().enumerate() {
+            assert!(*largest > 1e-3, "{camera:?}: parameter {i} of group {group} changes nothing");
+        }
+    }
+
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for i in 0..3 {
+            let mut direction = Vector3::new(0.1, 0.2, 1.0);
+            direction[i] = bad;
+            if let Ok(p) = camera.project_direction(&direction) {
+                assert!(i == 2 && p.x.is_finite() && p.y.is_finite(), "{camera:?} {direction}");
+            }
+        }
+        assert!(camera.direction(&Point2::new(bad, 100.0)).is_err());
+        assert!(camera.direction(&Point2::new(100.0, bad)).is_err());
+    }
+    assert!(camera.project_direction(&Vector3::zeros()).is_err());
+    assert!(camera.project_direction_jacobian(&Vector3::zeros()).is_err());
+    for far in [1e6, 1e100, 1e300] {
+        if let Ok(d) = camera.direction(&Point2::new(far, -far)) {
+            assert!((d.norm() - 1.0).abs() < 1e-14, "{d} {camera:?}");
+            // Of the directions of an infinite radius none is beyond, but some round to it.
+            assert!(far > 1e6 || camera.project_direction(&d).is_ok(), "{d} {camera:?}");
+        }
+    }
+}
+
+/// The partial derivatives against differences of the projection itself.
+fn check_slopes<P: CentralProjection, D: Distortion>(
+    camera: &CentralCamera<P, D>,
+    direction: &Vector3<f64>,
+    groups: &[usize],
+    influence: &mut [Vec<f64>],
+) {
+    let mut by_object = [0.0; 6];
+    let mut storage: Vec<Vec<f64>> = groups.iter().map(|len| vec![0.0; 2 * len]).collect();
+    let mut slices: Vec<&mut [f64]> = storage.iter_mut().map(Vec::as_mut_slice).collect();
+    let object = Point3::from(*direction);
+    let image = camera.partials(&object, &mut by_object, &mut slices).unwrap();
+    assert_eq!(image, camera.project_direction(direction).unwrap());
+    let close = |slope: Vector2<f64>, analytic: Vector2<f64>, what: &str| {
+        let scale = 2e-5 * (1000.0 + slope.norm());
+        assert!((slope - analytic).norm() < scale, "{what} {slope:?} {analytic:?} {camera:?}");
+    };
+    let h = 1e-6;
+    for i in 0..3 {
+        let mut step = Vector3::zeros();
+        step[i] = h;
+        let moved = [1.0, -1.0].map(|s| camera.project_direction(&(direction + step * s)));
+        let [Ok(a), Ok(b)] = moved else { continue };
+        // Not across the seam of a panorama.
+        if (a - b).norm() < 100.0 {
+            let analytic = Vector2::new(by_object[i], by_object[3 + i]);
+            close((a - b) / (2.0 * h), analytic, "by direction");
+        }
+    }
+    for (group, block) in storage.iter().enumerate() {
+        let len = groups[group];
+        for i in 0..len {
+            let analytic = Vector2::new(block[i], block[len + i]);
+            influence[group][i] = influence[group][i].max(analytic.norm());
+            let moved = [1.0, -1.0].map(|sign| {
+                let (mut copy, mut step) = (*camera, vec![0.0; len]);
+                step[i] = sign * h;
+                copy.adjust(group, &step).ok()?;
+                copy.project_direction(direction).ok()
+            });
+            if let [Some(a), Some(b)] = moved {
+                close((a - b) / (2.0 * h), analytic, "by parameter");
+            }
+        }
+    }
+}
+
+#[test]
+fn project_after_direction_is_the_identity_out_to_the_edge_of_every_domain() {
+    let brown = Brown::new([-0.28, 0.01, 0.001], [1.1e-3, -6e-4]).unwrap();
+    check_model(Gnomonic, NoDistortion, 89.0);
+    check_model(Gnomonic, brown, 89.0);
+    let k = [-0.281, 0.0713, 0.0131, 0.0172, -0.0214, 0.0036];
+    let (p, s, tilt) = ([1.1e-3, -6.2e-4], [8.3e-4, -4.1e-4, -7.7e-4, 2.9e-4], [0.031, -0.047]);
+    check_model(Gnomonic, Rational::new(k, p, s, tilt).unwrap(), 60.0);
+    let k = [-0.11, 0.04, -0.013, 0.002];
+    check_model(Gnomonic, Metashape::new(k, [1.1e-3, -6e-4, 0.3, -0.1]).unwrap(), 60.0);
+    let b = [3e-3, -2e-3];
+    check_model(Gnomonic, Fraser::new([0.11, -0.03, 0.004], [1e-3, -6e-4], b).unwrap(), 80.0);
+    let k = [0.031, -0.015, 0.0063, -0.0011];
+    check_model(Fisheye::Equidistant, EvenRadial::new(k).unwrap(), 179.0);
+    let prism = ThinPrism::new(k, [1.2e-3, -7e-4], [9e-4, -5e-4]).unwrap();
+    check_model(Fisheye::Equidistant, prism, 179.0);
+    let k = [0.031, -0.015, 0.0063, -0.0011, 4e-4, -6e-5];
+    let (p, s) = ([1.2e-3, -7e-4], [9e-4, -5e-4, 3e-4, -2e-4]);
+    let aria = RadialTangentialThinPrism::new(k, p, s).unwrap();
+    check_model(Fisheye::Equidistant, aria, 179.0);
+    check_model(Fisheye::Equidistant, NoDistortion, 179.0);
+    check_model(Fisheye::Stereographic, NoDistortion, 150.0);
+    check_model(Fisheye::Equisolid, NoDistortion, 179.0);
+    check_model(Fisheye::Orthographic, NoDistortion, 89.9);
+    check_model(FieldOfView::new(0.93).unwrap(), NoDistortion, 89.0);
+    check_model(Division::new(-0.13).unwrap(), NoDistortion, 140.0);
+    check_model(Division::new(0.09).unwrap(), NoDistortion, 89.0);
+    check_model(UnifiedSphere::new(0.73).unwrap(), brown, 120.0);
+    check_model(UnifiedSphere::new(1.21).unwrap(), brown, 179.0);
+    check_model(EnhancedUnified::new(0.57, 1.13).unwrap(), NoDistortion, 179.0);
+    check_model(EnhancedUnified::new(0.31, 0.8).unwrap(), NoDistortion, 110.0);
+    check_model(DoubleSphere::new(-0.18, 0.59).unwrap(), NoDistortion, 179.0);
+    check_model(DoubleSphere::new(0.3, 0.4).unwrap(), NoDistortion, 120.0);
+    check_model(Panorama::Equirectangular, NoDistortion, 179.0);
+    check_model(Panorama::Cylindrical, NoDistortion, 85.0);
+}
