@@ -12,6 +12,7 @@
 
 mod affine;
 mod camera;
+mod camera_edges;
 mod contracts;
 mod geodetic;
 mod homography;
