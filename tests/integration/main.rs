@@ -33,4 +33,5 @@ mod span;
 mod support;
 mod texture_matrices;
 mod texturer;
+mod texturer_edges;
 mod town;

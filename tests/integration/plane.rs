@@ -113,6 +113,19 @@ fn points_that_do_not_go_around_give_the_normal_whose_largest_component_is_posit
         let normal = Plane::fit(&across).unwrap().plane.normal();
         assert!((normal.into_inner() - Vector3::x()).norm() < 1e-15, "{normal:?}");
     }
+    // In planes with the normals (−1, 0, 2), (0, 2, −1) and (2, −1, 0): each its own largest component.
+    let oblique = [
+        (Vector3::new(2.0, 0.0, 1.0), Vector3::y(), Vector3::new(-1.0, 0.0, 2.0)),
+        (Vector3::new(0.0, 1.0, 2.0), Vector3::x(), Vector3::new(0.0, 2.0, -1.0)),
+        (Vector3::new(1.0, 2.0, 0.0), Vector3::z(), Vector3::new(2.0, -1.0, 0.0)),
+    ];
+    for (u, v, normal) in oblique {
+        for order in [bow, reversed] {
+            let points = order.map(|q| p(1.0, 2.0, 3.0) + u * q.x + v * q.y);
+            let found = Plane::fit(&points).unwrap().plane.normal();
+            assert!((found.into_inner() - normal.normalize()).norm() < 1e-14, "{found:?}");
+        }
+    }
 }
 
 #[test]
@@ -182,6 +195,9 @@ fn rays_meet_a_plane_from_either_side_and_only_forwards() {
     for away in [
         ray(Point3::origin(), Vector3::new(-3.0, 0.0, 0.0)),
         ray(p(10.0, 10.0, 10.0), Vector3::z()),
+        // 1/8 beyond the plane along its normal, and 10⁻¹² before it.
+        ray(p(2.25, 3.375, 6.75), Vector3::new(2.0, 3.0, 6.0)),
+        ray(p(2.0, 3.0, 6.0 - 1e-12), Vector3::new(-2.0, -3.0, -6.0)),
     ] {
         assert_eq!(plane.meet_ray(&away), Err(ProjectionError::MissesSurface));
     }

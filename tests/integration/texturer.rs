@@ -80,10 +80,12 @@ proptest! {
 
     #[test]
     fn coverage_is_the_crossing_number_of_the_pixel_centre(
-        outline in prop::collection::vec((-5.0..40.0f64, -5.0..40.0f64), 3..9),
+        outline in prop::collection::vec((-5.0..40.0f64, -5.0..40.0f64), 3..9), halves in any::<bool>(),
     ) {
-        // Any outline, concave or crossing itself; the oracle counts crossings of a ray to the left in exact integers.
-        let points: Vec<[f64; 2]> = outline.iter().map(|p| [p.0, p.1]).collect();
+        // Any outline, concave or crossing itself, or with its vertices on corners and centres of pixels; the oracle counts
+        // crossings of a ray to the left in exact integers.
+        let place = |c: f64| if halves { (2.0 * c).round() / 2.0 } else { c };
+        let points: Vec<[f64; 2]> = outline.iter().map(|p| [place(p.0), place(p.1)]).collect();
         let snapped: Vec<[i64; 2]> =
             points.iter().map(|p| [(p[0] * 256.0).round() as i64, (p[1] * 256.0).round() as i64]).collect();
         let (width, height) = (36, 36);
@@ -381,6 +383,12 @@ fn the_three_interpolations_of_figure_2() {
     for (corner, uv) in corners.iter().zip(uv) {
         assert!((bilinear.at(corner).unwrap().coords - uv.xy()).norm() < 1e-9);
         assert!((exact.at(corner).unwrap().coords - uv.xy()).norm() < 1e-9);
+        let touching: Vec<_> =
+            linear.iter().filter(|(piece, _)| piece.vertices().contains(corner)).collect();
+        assert!(!touching.is_empty());
+        for (_, map) in touching {
+            assert!((map.at(corner).unwrap().coords - uv.xy()).norm() < 1e-9);
+        }
     }
     // The texture's centre: in perspective where the diagonals cross; bilinearly at the mean of the corners; linearly on the
     // middle of the diagonal that was cut.
