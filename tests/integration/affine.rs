@@ -79,6 +79,15 @@ fn thin_maps_and_thin_figures_still_have_their_answers() {
     let fit = Affine2::fit(&object, &image).unwrap();
     let expected = Matrix2::new(3.0, 0.0, 0.0, large);
     assert!((fit.map.linear - expected).norm() < 1e-6 * large, "{}", fit.map.linear);
+    // Figures of any size: u = 2 X + Y, v = X − Y.
+    for size in [1e-100, 1e-20, 1e20, 1e100] {
+        let object = points([[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]]);
+        let image = points([[0.0, 0.0], [2.0 * size, size], [3.0 * size, 0.0], [size, -size]]);
+        let fit = Affine2::fit(&object, &image).unwrap();
+        assert!((fit.map.linear - Matrix2::new(2.0, 1.0, 1.0, -1.0)).norm() < 1e-14, "{size}");
+        let line = points([[0.0, 0.0], [size, size], [3.0 * size, 3.0 * size], [-size, -size]]);
+        assert!(matches!(Affine2::fit(&line, &image), Err(Error::Degenerate { .. })), "{size}");
+    }
     // One in 10¹⁵ is rounding, and no figure.
     let line = points([[0.0, 0.0], [1.0, 0.0], [2.0, 1e-15], [3.0, 0.0]]);
     assert!(matches!(Affine2::fit(&line, &image), Err(Error::Degenerate { .. })));

@@ -13,6 +13,7 @@
 mod affine;
 mod camera;
 mod camera_edges;
+mod consensus;
 mod contracts;
 mod geodetic;
 mod homography;
