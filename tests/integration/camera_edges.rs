@@ -4,7 +4,8 @@ use collinear::camera::{
     Adjustable, Brown, BrownCamera, CentralModel, ExteriorOrientation, Frame, InteriorOrientation,
     Orthographic, SensorModel,
 };
-use collinear::geometry::{Affine2, Plane};
+use collinear::geometry::geodetic::{Ellipsoid, EllipsoidalHeight};
+use collinear::geometry::{Affine2, Locus, Plane};
 use collinear::nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 use collinear::{Error, ProjectionError};
 
@@ -166,6 +167,15 @@ fn a_parallel_line_of_sight_meets_what_lies_on_either_side() {
         let ground = screen.ground(&Point2::new(100.0, 60.0), &level).unwrap();
         assert!((ground - Point3::new(50.0, -30.0, height)).norm() < 1e-13, "{ground}");
     }
+    // The line itself runs down from the plane Z′ = 0, and inside a ball of radius 3 about O meets its lower half.
+    let Locus::Ray(ray) = screen.locus(&Point2::new(100.0, 60.0)).unwrap() else { panic!() };
+    assert!((ray.origin - Point3::new(50.0, -30.0, 10.0)).norm() < 1e-13);
+    assert_eq!(ray.direction.into_inner(), -Vector3::z());
+    let inside = ExteriorOrientation::new(Point3::origin(), down());
+    let inside = Orthographic::new(inside, half).unwrap();
+    let ball = Ellipsoid::new(3.0, 0.0).unwrap().at_height(EllipsoidalHeight(0.0)).unwrap();
+    let ground = inside.ground(&Point2::new(0.0, 0.0), &ball).unwrap();
+    assert!((ground - Point3::new(0.0, 0.0, -3.0)).norm() < 1e-12, "{ground}");
     let upright = Plane::from_point_and_normal(Point3::origin(), Vector3::x()).unwrap();
     assert_eq!(
         screen.ground(&Point2::new(100.0, 60.0), &upright),

@@ -4,8 +4,10 @@ use collinear::mapping::{Map, RowCoords};
 use collinear::nalgebra::{Matrix2, Point2};
 use collinear::{ProjectionError, geometry::Affine2};
 
-/// (pixels, origin, u, v) of each run, u and v with their origins.
-fn read(row: &RowCoords) -> Vec<(std::ops::Range<i32>, [i32; 2], Vec<f64>, Vec<f64>)> {
+/// (pixels, origin, u, v) of a run, u and v with their origins.
+type Read = (std::ops::Range<i32>, [i32; 2], Vec<f64>, Vec<f64>);
+
+fn read(row: &RowCoords) -> Vec<Read> {
     let whole = |offsets: &[f32], origin: i32| {
         offsets.iter().map(|&o| f64::from(origin) + f64::from(o)).collect::<Vec<_>>()
     };
