@@ -90,6 +90,7 @@ fn a_fitted_plane_is_numpys() {
     reversed.reverse();
     let back = Plane::fit(&reversed).unwrap();
     assert!((back.plane.normal().into_inner() + normal).norm() < 1e-15);
+    assert!((back.largest_residual - fit.largest_residual).abs() < 1e-15);
     // The same points in map coordinates.
     let shift = Vector3::new(500_000.0, 5_400_000.0, 0.0);
     let moved = Plane::fit(&points.map(|q| q + shift)).unwrap();
@@ -259,6 +260,8 @@ fn a_curve_meets_a_surface_at_its_highest_crossing() {
         ([8.0, 9.9], p(-1.0, 2.0, 0.0)),
         ([11.0, 12.0], p(3.0, 2.0, 0.0)),
         ([10.5, 11.0], p(3.0, 2.0, 0.0)),
+        // Searched in 64 steps of half a unit, which tell the three crossings apart.
+        ([8.0, 40.0], p(3.0, 2.0, 0.0)),
     ];
     for surface in [ground, ground.flipped()] {
         for (heights, expected) in crossings {

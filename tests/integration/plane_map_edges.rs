@@ -4,7 +4,7 @@ use collinear::camera::{
     Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation, Orthographic,
 };
 use collinear::geometry::{Affine2, Plane};
-use collinear::mapping::{DistortMap, FractionalLinear, Map, UndistortMap};
+use collinear::mapping::{CantrellPlane, DistortMap, FractionalLinear, Map, UndistortMap};
 use collinear::nalgebra::{Matrix2, Point2, Point3, Vector3};
 use collinear::{Error, ProjectionError};
 
@@ -148,5 +148,36 @@ fn a_lens_stretches_along_the_radius_and_across_it_by_its_own_numbers() {
         assert!((there - Matrix2::new(x, 0.0, 0.0, y)).norm() < 1e-14, "{there}");
         let back = undistort.jacobian(&photograph).unwrap();
         assert!((back - Matrix2::new(1.0 / x, 0.0, 0.0, 1.0 / y)).norm() < 1e-14, "{back}");
+    }
+}
+
+#[test]
+fn cantrells_plane_may_pass_close_to_the_eye() {
+    // A floor h below the eye, v counted from z = 1: at z = 2, v = 1, it is seen h/2 · 100 below the centre.
+    let floor = |h: f64| {
+        CantrellPlane::from_texel(Point3::new(0.0, h, 1.0), Vector3::x(), Vector3::z())
+            .unwrap()
+            .fractional_linear(100.0)
+    };
+    for h in [1e-3, 1e-6, 1e-9] {
+        let at = floor(h).unwrap().at(&Point2::new(0.0, 50.0 * h)).unwrap();
+        assert!((at - Point2::new(0.0, 1.0)).norm() < 1e-12, "{h}: {at}");
+    }
+    assert!(matches!(
+        floor(1e-14),
+        Err(Error::Degenerate { what: "plane through the eye", measure: 1e-14, .. })
+    ));
+    let form = CantrellPlane::from_texel(Point3::new(0.0, 1.0, 1.0), Vector3::x(), Vector3::z());
+    for d in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(form.unwrap().fractional_linear(d), Err(Error::OutOfRange { .. })));
+    }
+    // Texel edges whose sine is 10⁻¹⁵ are parallel, whatever their lengths.
+    for size in [1e-6, 1.0, 1e6] {
+        let edge = Vector3::new(size, 0.0, 0.0);
+        let point = Point3::new(0.0, 1.0, 1.0);
+        let along =
+            |sine: f64| CantrellPlane::from_texel(point, edge, edge + Vector3::z() * size * sine);
+        assert!(matches!(along(1e-15), Err(Error::Degenerate { what: "texel edges", .. })));
+        assert!(along(1e-12).is_ok());
     }
 }

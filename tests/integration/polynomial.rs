@@ -417,6 +417,17 @@ fn corners_on_the_focal_plane_are_allowed_and_points_on_it_are_not_seen() {
     );
     let seen = map.screen_from_texture(&Point2::new(0.25, 0.25)).unwrap();
     assert!((seen - Point2::new(20.0, 20.0)).norm() < 1e-13, "{seen}");
+    // Homogeneous coordinates of any size.
+    for size in [1e-60, 1e60, 1e90] {
+        let corners = corners.map(|(x, y, w)| Vector3::new(x, y, w) * size);
+        let map = PerspectiveBilinear::new(&corners, [1.0, 1.0]).unwrap();
+        assert!((map.screen_from_texture(&Point2::new(0.25, 0.25)).unwrap() - seen).norm() < 1e-13);
+    }
+    let corners = corners.map(|(x, y, w)| Vector3::new(x, y, w) * 1e101);
+    assert!(matches!(
+        PerspectiveBilinear::new(&corners, [1.0, 1.0]),
+        Err(Error::OutOfRange { what: "quad corner or texture size", .. })
+    ));
     // Two corners with w = 0 itself: w = 1 − t, and (s, ½) shows at (80 s, 40).
     let corners = [(0.0, 0.0, 1.0), (40.0, 0.0, 1.0), (40.0, 40.0, 0.0), (0.0, 40.0, 0.0)];
     let map = PerspectiveBilinear::new(&corners.map(|(x, y, w)| Vector3::new(x, y, w)), [1.0, 1.0]);
@@ -432,6 +443,19 @@ fn corners_on_the_focal_plane_are_allowed_and_points_on_it_are_not_seen() {
             PerspectiveBilinear::new(&corners, [1.0, 1.0]),
             Err(Error::OutOfRange { what: "w of every quad corner", value, .. }) if value == w
         ));
+    }
+}
+
+#[test]
+fn a_screen_point_beyond_the_largest_float_is_none() {
+    // At t = ¼ w is 10⁻²⁵⁰/2 and one coordinate 10¹⁰⁰/4; the other stays at zero.
+    let w = 1e-250;
+    for axis in [Vector3::x(), Vector3::y()] {
+        let near = Vector3::new(0.0, 0.0, w);
+        let far = axis * 1e100 - near;
+        let map = PerspectiveBilinear::new(&[near, near, far, far], [1.0, 1.0]).unwrap();
+        let beyond = map.screen_from_texture(&Point2::new(0.5, 0.25));
+        assert_eq!(beyond, Err(ProjectionError::NotFinite));
     }
 }
 

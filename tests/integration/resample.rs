@@ -353,13 +353,15 @@ fn a_warp_paints_what_its_map_finds() {
     let expected = [10, 20, 7, 7, 40, 50, 7, 7, 40, 50, 7, 7];
     assert_eq!(warped(&partial, Filter::Nearest, Border::Clamp), expected);
     // From a picture without pixels nothing comes, whatever the border; into one nothing goes.
-    let empty = ImageView::<u8, 1>::new(&[], 0, 0).unwrap();
+    let empty = [(0, 0), (5, 0), (0, 5)].map(|(w, h)| ImageView::<u8, 1>::new(&[], w, h).unwrap());
     for border in BORDERS {
         for filter in FILTERS {
-            let mut pixels = [7u8; 6];
-            let mut target = ImageViewMut::<u8, 1>::new(&mut pixels, 3, 2).unwrap();
-            warp(empty, &shift(0.0, 0.0), filter, border, &mut target);
-            assert_eq!(pixels, [7; 6], "{border:?}");
+            for empty in empty {
+                let mut pixels = [7u8; 6];
+                let mut target = ImageViewMut::<u8, 1>::new(&mut pixels, 3, 2).unwrap();
+                warp(empty, &shift(0.0, 0.0), filter, border, &mut target);
+                assert_eq!(pixels, [7; 6], "{border:?}");
+            }
             warp(
                 view,
                 &shift(0.0, 0.0),

@@ -8,7 +8,8 @@ use collinear::geometry::Affine2;
 use collinear::mapping::Map;
 use collinear::nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 use collinear::resample::ImageViewMut;
-use collinear::texturer::{Canvas, Facing, Paint, ScreenPolygon, from_vertices};
+use collinear::texturer::{Canvas, Facing, Paint, ScreenPolygon, from_vertices, linear_triangles};
+use proptest::prelude::*;
 
 /// A perspective screen at the origin, looking along z with c = 100 pixels.
 fn eye() -> HomogeneousCamera {
@@ -95,6 +96,43 @@ fn bands_that_reach_far_beyond_the_screen_keep_their_slope() {
     }
 }
 
+proptest! {
+    #[test]
+    fn the_triangles_of_a_star_cover_its_pixels_once(
+        radii in prop::collection::vec(2.0..15.0f64, 4..12), turned in any::<bool>(),
+    ) {
+        // Vertices at equal angles about (16.3, 16.1): concave as a rule, and never crossing itself.
+        let n = radii.len() as f64;
+        let mut outline: Vec<[f64; 2]> = radii
+            .iter()
+            .enumerate()
+            .map(|(k, r)| {
+                let (sine, cosine) = (std::f64::consts::TAU * k as f64 / n).sin_cos();
+                [16.3 + r * cosine, 16.1 + r * sine]
+            })
+            .collect();
+        if turned {
+            outline.reverse();
+        }
+        let star = polygon(&outline);
+        let triangles = linear_triangles(&star, &Affine2::identity()).unwrap();
+        let count = |pieces: &[&ScreenPolygon]| {
+            let mut counts = vec![0u8; 32 * 32];
+            for piece in pieces {
+                for (y, x) in rows(piece, 32, 32) {
+                    for x in x {
+                        counts[y as usize * 32 + x as usize] += 1;
+                    }
+                }
+            }
+            counts
+        };
+        let pieces: Vec<_> = triangles.iter().map(|(piece, _)| piece).collect();
+        prop_assert_eq!(pieces.len(), outline.len() - 2);
+        prop_assert!(count(&pieces) == count(&[&star]));
+    }
+}
+
 #[test]
 fn a_polygon_without_area_shows_no_side() {
     let line = polygon(&[[1.0, 1.0], [5.0, 5.0], [3.0, 3.0]]);
@@ -167,6 +205,53 @@ fn four_vertices_are_affine_to_a_tenth_of_a_texel_and_projective_beyond() {
             let at = map.at(&Point2::from(corner)).unwrap();
             let expected = Point2::new(t.x, t.y + sign * left);
             assert!((at - expected).norm() < 1e-9, "{moved}: {at} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_triangle_with_w_is_textured_in_perspective_of_its_own() {
+    // (w u, w v, w) is affine in the plane: half-way from (0, 0, 1) to (12, 24, 3) it is (18, 36, 2), so u = 9, v = 18.
+    let world = [[0.0, 0.0], [8.0, 0.0], [0.0, 4.0]].map(|[x, y]| Point3::new(x, -y, 0.0));
+    let uvw =
+        [Vector3::new(0.0, 0.0, 1.0), Vector3::new(12.0, 24.0, 3.0), Vector3::new(6.0, 10.0, 2.0)];
+    let map = from_vertices(&world, &uvw, &flat_screen()).unwrap();
+    for (pixel, texture) in [
+        ([0.0, 0.0], [0.0, 0.0]),
+        ([8.0, 0.0], [12.0, 24.0]),
+        ([0.0, 4.0], [6.0, 10.0]),
+        ([4.0, 0.0], [9.0, 18.0]),
+        // Of the last two: (36 + 12, 72 + 20, 3 + 2) / 2, and so (48, 92) / 5.
+        ([4.0, 2.0], [9.6, 18.4]),
+    ] {
+        let at = map.at(&Point2::from(pixel)).unwrap();
+        assert!((at - Point2::from(texture)).norm() < 1e-12, "{at} {texture:?}");
+    }
+}
+
+#[test]
+fn walls_that_face_any_axis_and_of_any_size_are_textured_alike() {
+    // A square of 2 × 2 about a point of the plane, with 10 texels a unit: u along its first edge, v along its second. The
+    // ray through the square's middle shows (10, 10), and through a quarter of both edges (5, 5).
+    let frames = [
+        // Seen from the origin: a wall across x, one across y, one across z, and one across (1, 1, 1).
+        (Vector3::new(4.0, 0.0, 9.0), Vector3::y(), Vector3::z()),
+        (Vector3::new(0.0, 4.0, 9.0), Vector3::z(), Vector3::x()),
+        (Vector3::new(0.0, 0.0, 9.0), Vector3::x(), Vector3::y()),
+        (Vector3::new(1.0, 2.0, 9.0), Vector3::new(1.0, -1.0, 0.0), Vector3::new(1.0, 1.0, -2.0)),
+    ];
+    for (middle, u, v) in frames {
+        for size in [1e-12, 1.0, 1e20] {
+            let world = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(a, b)| Point3::from((middle + u * a + v * b) * size));
+            let uv = [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]]
+                .map(|[a, b]| Vector3::new(a, b, 1.0));
+            let map = from_vertices(&world, &uv, &eye()).unwrap();
+            for (share, texel) in [(0.0, 10.0), (-0.5, 5.0)] {
+                let p = middle + (u + v) * share;
+                let at = map.at(&Point2::new(100.0 * p.x / p.z, 100.0 * p.y / p.z)).unwrap();
+                assert!((at - Point2::new(texel, texel)).norm() < 1e-10, "{size}: {at}");
+            }
         }
     }
 }
