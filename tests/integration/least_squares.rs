@@ -212,6 +212,31 @@ fn damping_grows_until_a_system_can_be_solved() {
     // 10⁻⁴ times 2, 4, 8, 16, 32: the sixth is 3.2768, and the step 4 / 4.2768.
     assert_eq!((problem.0.get(), report.iterations), (6, 1));
     assert!((x - (1.0 + 4.0 / 4.2768)).abs() < 1e-14, "{x}");
+    // ½ x² with steps ten times too long: they lead uphill until 10 / (1 + λ) < 2. The seventh damping is 10⁻⁴ · 2²¹.
+    struct Overshooting(std::cell::Cell<u32>);
+    impl Problem for Overshooting {
+        type State = f64;
+        type Linear = ();
+        type Step = f64;
+        fn cost(&self, x: &f64) -> f64 {
+            0.5 * x * x
+        }
+        fn linearise(&self, x: &f64, (): &mut ()) -> f64 {
+            x.abs()
+        }
+        fn solve(&self, x: &f64, (): &(), damping: f64) -> Option<Damped<f64>> {
+            self.0.set(self.0.get() + 1);
+            let step = -10.0 * x / (1.0 + damping);
+            Some(Damped { step, predicted_decrease: 1.0, relative_length: 1.0 })
+        }
+        fn apply(&self, x: &f64, step: &f64) -> f64 {
+            x + step
+        }
+    }
+    let problem = Overshooting(std::cell::Cell::new(0));
+    let (x, _) = minimise(&problem, 1.0, &mut (), &options);
+    assert_eq!(problem.0.get(), 7);
+    assert!((x - (1.0 - 10.0 / 210.7152)).abs() < 1e-14, "{x}");
     // A system that is never solved ends the search where it is.
     struct Never;
     impl Problem for Never {
