@@ -12,6 +12,8 @@
 
 mod affine;
 mod camera;
+mod camera_edges;
+mod consensus;
 mod contracts;
 mod extremes;
 mod geodetic;
@@ -21,14 +23,17 @@ mod least_squares;
 mod orthophoto;
 mod plane;
 mod plane_map;
+mod plane_map_edges;
 mod polynomial;
 mod pose;
 mod projection;
 mod resample;
 mod rotation;
+mod rows;
 mod sources;
 mod span;
 mod support;
 mod texture_matrices;
 mod texturer;
+mod texturer_edges;
 mod town;
