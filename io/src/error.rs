@@ -32,8 +32,10 @@ impl Error {
         Self(Box::new(Inner { path: None, kind: kind.into(), reference: None }))
     }
 
-    /// Adds the file: where an inner one and the field that names it are known, as the one that has the field.
-    pub(crate) fn in_file(mut self, path: &Path) -> Self {
+    /// Adds the file, unless it is known. Where an inner file and the [field](Self::field) that names it are, as the one that
+    /// has the field.
+    #[must_use]
+    pub fn in_file(mut self, path: &Path) -> Self {
         let known = match &mut self.0.reference {
             Some(reference) => &mut reference.path,
             None => &mut self.0.path,
