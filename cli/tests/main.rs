@@ -5,6 +5,7 @@ mod failures;
 mod files;
 mod overlay;
 mod project;
+mod readme;
 mod rectify;
 mod render;
 mod support;
