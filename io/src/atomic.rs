@@ -64,6 +64,15 @@ where
 
 /// The file behind any links, and its permissions if it exists.
 fn settle(path: &Path) -> Result<(PathBuf, Option<fs::Permissions>), Error> {
+    // A path drops the separator at its end, and the system would not.
+    if path
+        .as_os_str()
+        .as_encoded_bytes()
+        .last()
+        .is_some_and(|b| std::path::is_separator(*b as char))
+    {
+        return Err(ErrorKind::IsAFolder.into());
+    }
     let is_link = fs::symlink_metadata(path).is_ok_and(|m| m.file_type().is_symlink());
     // A link that leads nowhere fails here: what it should point to is not for this function to create.
     let target =

@@ -114,7 +114,7 @@ pub enum ErrorKind {
         /// The operating system's reason.
         source: io::Error,
     },
-    /// The output exists and is a directory.
+    /// The output is a directory, or is written as one.
     #[error("is a folder: name a file in it")]
     IsAFolder,
     /// The output exists and is a device or a pipe.

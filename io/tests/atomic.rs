@@ -64,6 +64,8 @@ fn what_is_no_file_is_not_replaced() {
     assert!(matches!(error.kind(), ErrorKind::IsAFolder), "{error}");
     assert!(error.to_string().ends_with(": is a folder: name a file in it"), "{error}");
     assert!(write_atomically(Path::new(""), untouched).is_err());
+    let written_as_one = write_atomically(&folder.path().join("new/"), untouched).unwrap_err();
+    assert!(matches!(written_as_one.kind(), ErrorKind::IsAFolder), "{written_as_one}");
     assert!(write_atomically(Path::new(".."), untouched).is_err());
     if cfg!(unix) {
         let device = write_atomically(Path::new("/dev/null"), untouched).unwrap_err();
