@@ -2,7 +2,10 @@
 //!
 //! Two types. [`ProjectionError`] is what a per-point or per-pixel path returns: it is `Copy`, small, and never a
 //! plausible coordinate. [`Error`] is what constructors and estimators return. Both carry numbers, and neither carries
-//! a `String`.
+//! a `String`. Their texts show numbers as [`Brief`] does.
+
+use alloc::format;
+use core::fmt;
 
 /// Why one point has no image, or one pixel no place in the world or in a texture.
 ///
@@ -12,13 +15,13 @@
 #[non_exhaustive]
 pub enum ProjectionError {
     /// The point lies on or behind the camera's focal plane.
-    #[error("the point lies behind the camera: depth {depth}")]
+    #[error("the point lies behind the camera: depth {}", Brief(*depth))]
     BehindCamera {
         /// Signed depth along the optical axis, in world units; zero or negative.
         depth: f64,
     },
     /// The pixel lies on or beyond the horizon of the plane: its ray meets the plane behind the eye, or never.
-    #[error("the pixel lies beyond the plane's horizon: w = {w}")]
+    #[error("the pixel lies beyond the plane's horizon: w = {}", Brief(*w))]
     BeyondHorizon {
         /// The homogeneous denominator at the pixel; zero or negative.
         w: f64,
@@ -27,7 +30,7 @@ pub enum ProjectionError {
     #[error("the line of sight does not meet the surface")]
     MissesSurface,
     /// The model is not defined here, as a lens distortion is past the radius where it folds back.
-    #[error("outside the model's domain: {value} is not below {limit}")]
+    #[error("outside the model's domain: {} is not below {}", Brief(*value), Brief(*limit))]
     OutsideDomain {
         /// The quantity that left its domain.
         value: f64,
@@ -35,7 +38,7 @@ pub enum ProjectionError {
         limit: f64,
     },
     /// An iteration ended before it reached its tolerance.
-    #[error("not converged after {iterations} iterations: residual {residual}")]
+    #[error("not converged after {iterations} iterations: residual {}", Brief(*residual))]
     NotConverged {
         /// Iterations done.
         iterations: u32,
@@ -58,7 +61,7 @@ pub enum Error {
         what: &'static str,
     },
     /// An input lies outside its domain.
-    #[error("{what} is {value}, expected {expected}")]
+    #[error("{what} is {}, expected {expected}", Brief(*value))]
     OutOfRange {
         /// Which input.
         what: &'static str,
@@ -102,7 +105,11 @@ pub enum Error {
         right: usize,
     },
     /// The input does not determine the result: points on one line, a plane through the eye, a singular matrix.
-    #[error("{what} is degenerate: measure {measure}, needed more than {limit}")]
+    #[error(
+        "{what} is degenerate: measure {}, needed more than {}",
+        Brief(*measure),
+        Brief(*limit)
+    )]
     Degenerate {
         /// Which configuration.
         what: &'static str,
@@ -112,13 +119,16 @@ pub enum Error {
         limit: f64,
     },
     /// The four corners do not go once around a convex quadrilateral: the quad is concave or crosses itself.
-    #[error("the quad is folded or concave: corner weights {weights:?} do not share one sign")]
+    #[error(
+        "the quad is folded or concave: corner weights {:?} do not share one sign",
+        weights.map(Brief)
+    )]
     FoldedQuad {
         /// Twice the signed areas of the four corner triangles, in the order of the corners.
         weights: [f64; 4],
     },
     /// Data that should agree do not, as texture coordinates that no plane can carry.
-    #[error("{what} do not agree: residual {residual}, allowed {limit}")]
+    #[error("{what} do not agree: residual {}, allowed {}", Brief(*residual), Brief(*limit))]
     Inconsistent {
         /// Which data.
         what: &'static str,
@@ -128,7 +138,7 @@ pub enum Error {
         limit: f64,
     },
     /// An estimator's iteration ended before it reached its tolerance.
-    #[error("not converged after {iterations} iterations: cost {cost}")]
+    #[error("not converged after {iterations} iterations: cost {}", Brief(*cost))]
     NotConverged {
         /// Iterations done.
         iterations: u32,
@@ -148,4 +158,82 @@ pub enum Error {
     /// A point that the estimator must project has no image.
     #[error(transparent)]
     Projection(#[from] ProjectionError),
+}
+
+/// A number as a message shows it: with six significant digits, in scientific notation below 10⁻⁴ and from 10⁷ on.
+///
+/// ```
+/// use collinear::error::Brief;
+///
+/// let texts = [0.5, 1e200, -3.330669e-16, 12345.678].map(|v| Brief(v).to_string());
+/// assert_eq!(texts, ["0.5", "1e200", "-3.33067e-16", "12345.7"]);
+/// ```
+#[derive(Clone, Copy, PartialEq)]
+pub struct Brief(pub f64);
+
+impl fmt::Display for Brief {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Adding zero makes −0 into 0.
+        let value = self.0 + 0.0;
+        let text = format!("{value:.5e}");
+        // NaN and infinities have no exponent.
+        let Some((mantissa, exponent)) = text.split_once('e') else { return f.write_str(&text) };
+        let exponent: i32 = exponent.parse().unwrap_or(0);
+        if (-4..7).contains(&exponent) {
+            let decimals = usize::try_from(5 - exponent).unwrap_or(0);
+            f.write_str(without_zeros(&format!("{value:.decimals$}")))
+        } else {
+            write!(f, "{}e{exponent}", without_zeros(mantissa))
+        }
+    }
+}
+
+impl fmt::Debug for Brief {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Decimals without the zeros at their end.
+fn without_zeros(number: &str) -> &str {
+    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString;
+
+    use super::{Brief, Error};
+
+    #[test]
+    fn a_message_has_no_more_digits_than_are_read() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (-2.5, "-2.5"),
+            (100.0, "100"),
+            (0.1 + 0.2, "0.3"),
+            (1e-4, "0.0001"),
+            (1.234_567_89e-4, "0.000123457"),
+            (9.999_999e-5, "0.0001"),
+            (9.99e-5, "9.99e-5"),
+            (5e-324, "4.94066e-324"),
+            (999_999.6, "1000000"),
+            (1_234_567.0, "1234567"),
+            (9_999_999.0, "1e7"),
+            (1e7, "1e7"),
+            (-1.5e300, "-1.5e300"),
+            (f64::NAN, "NaN"),
+            (f64::INFINITY, "inf"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(Brief(value).to_string(), text, "{value:e}");
+        }
+        let error = Error::Degenerate { what: "map", measure: 1.0 / 3.0e15, limit: 1e-300 };
+        assert_eq!(
+            error.to_string(),
+            "map is degenerate: measure 3.33333e-16, needed more than 1e-300"
+        );
+    }
 }

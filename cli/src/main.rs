@@ -24,11 +24,12 @@ const ABOUT: &str = "From photographs with known cameras: new views, rectified f
 points, wire frames";
 
 const AFTER: &str = "\
-Image coordinates are pixels from the top-left corner of the top-left pixel, x right, y down; its
-centre is (0.5, 0.5). World coordinates are in any one unit of length. Cameras, planes and scenes
-are JSON files; docs/formats.md describes them.
+Image coordinates are pixels from the top-left corner of the top-left pixel, x right, y down; its \
+centre is (0.5, 0.5). World coordinates are in any one unit of length. Cameras, planes and scenes \
+are JSON files; docs/formats.md describes them. Folders of outputs that are not there are made.
 
-Exit codes: 0 done, 1 failed (an old output is left as it was), 2 wrong usage.";
+Exit codes: 0 done; 1 failed (an old output is left as it was); 2 wrong usage, as an output that is \
+an input too.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -1,6 +1,8 @@
 //! A photograph's camera as what a plane map needs.
 
+use anyhow::{Error, anyhow};
 use collinear::camera::{Brown, BrownCamera, HomogeneousCamera};
+use collinear::error::Brief;
 use collinear::geometry::Plane;
 use collinear::mapping::{Composed, DistortMap, FractionalLinear, Map};
 use collinear_io::convert::Camera;
@@ -13,18 +15,19 @@ pub(crate) struct PlaneMap {
 }
 
 impl PlaneMap {
-    /// The map that a plane, a photograph and a screen share.
+    /// The map that a plane, a photograph and a screen share. The plane is clear of the screen's eye.
     pub(crate) fn new(
         plane: &Plane,
         photograph: &Camera,
         screen: &HomogeneousCamera,
-    ) -> Result<Self, collinear::Error> {
+    ) -> Result<Self, Error> {
         let ideal = match photograph {
             Camera::Pinhole(frame) => frame.homogeneous(),
             Camera::Brown(frame) => frame.ideal().homogeneous(),
             Camera::Orthographic(camera) => camera.homogeneous(),
         };
-        let linear = FractionalLinear::from_plane(plane, &ideal, screen)?;
+        let linear = FractionalLinear::from_plane(plane, &ideal, screen)
+            .map_err(|e| in_user_words(e, photograph))?;
         Ok(Self { linear, lens: lens(photograph) })
     }
 
@@ -36,6 +39,23 @@ impl PlaneMap {
             }
             None => Box::new(self.linear),
         }
+    }
+}
+
+/// What a plane without a map has to do with its photograph.
+fn in_user_words(error: collinear::Error, photograph: &Camera) -> Error {
+    match (error, photograph) {
+        (collinear::Error::Degenerate { measure, .. }, Camera::Pinhole(_) | Camera::Brown(_)) => {
+            anyhow!(
+                "the camera lies in the plane and sees it as a line: its projection centre is {} off it",
+                Brief(measure)
+            )
+        }
+        (collinear::Error::Degenerate { measure, .. }, Camera::Orthographic(_)) => anyhow!(
+            "the camera looks along the plane and sees it as a line: the sine of their angle is {}",
+            Brief(measure)
+        ),
+        (other, _) => other.into(),
     }
 }
 

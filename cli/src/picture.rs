@@ -55,10 +55,6 @@ impl Rgb {
         Ok(picture)
     }
 
-    pub(crate) fn data(&self) -> &[u8] {
-        &self.data
-    }
-
     pub(crate) fn view(&self) -> Result<ImageView<'_, u8, 3>, collinear::Error> {
         ImageView::new(&self.data, self.width as usize, self.height as usize)
     }
@@ -66,13 +62,54 @@ impl Rgb {
 
 impl From<Picture> for Rgb {
     fn from(picture: Picture) -> Self {
-        let Picture { width, height, channels, data, .. } = picture;
-        let data = match channels {
-            1 => data.iter().flat_map(|g| [*g; 3]).collect(),
-            2 => data.chunks_exact(2).filter_map(<[u8]>::first).flat_map(|g| [*g; 3]).collect(),
-            4 => data.chunks_exact(4).flat_map(|p| p.iter().take(3)).copied().collect(),
-            _ => data,
-        };
+        let Picture { width, height, channels, mut data, .. } = picture;
+        match channels {
+            1 | 2 => spread_grey(&mut data, channels.into()),
+            4 => drop_opacity(&mut data),
+            _ => {}
+        }
         Self { width, height, data }
+    }
+}
+
+/// Grey pixels, of `channels` samples, as three equal ones. In place: a photograph may fill half of the memory.
+fn spread_grey(data: &mut Vec<u8>, channels: usize) {
+    let pixels = data.len() / channels;
+    data.reserve_exact((3 * pixels).saturating_sub(data.len()));
+    data.resize(3 * pixels, 0);
+    // From the end, so that no pixel is overwritten before it is read.
+    for i in (0..pixels).rev() {
+        let grey = data.get(channels * i).copied().unwrap_or_default();
+        if let Some(pixel) = data.get_mut(3 * i..3 * i + 3) {
+            pixel.fill(grey);
+        }
+    }
+}
+
+/// Pixels of four samples without their last. In place.
+pub(crate) fn drop_opacity(data: &mut Vec<u8>) {
+    let pixels = data.len() / 4;
+    for i in 1..pixels {
+        data.copy_within(4 * i..4 * i + 3, 3 * i);
+    }
+    data.truncate(3 * pixels);
+    data.shrink_to_fit();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Picture, Rgb};
+
+    #[test]
+    fn every_number_of_channels_becomes_three() {
+        for (channels, data, expected) in [
+            (1, vec![1, 2, 3], [1, 1, 1, 2, 2, 2, 3, 3, 3]),
+            (2, vec![1, 9, 2, 8, 3, 7], [1, 1, 1, 2, 2, 2, 3, 3, 3]),
+            (3, vec![1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 3, 4, 5, 6, 7, 8, 9]),
+            (4, vec![1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0], [1, 2, 3, 4, 5, 6, 7, 8, 9]),
+        ] {
+            let picture = Picture { width: 3, height: 1, channels, data, orientation: 1 };
+            assert_eq!(Rgb::from(picture).data, expected, "{channels}");
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! A plane of the world seen face-on, from a photograph.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Error, Result, anyhow, bail, ensure};
 use collinear::ProjectionError;
 use collinear::camera::{ExteriorOrientation, HomogeneousCamera, Orthographic};
+use collinear::error::Brief;
 use collinear::geometry::{Affine2, Homography};
 use collinear::mapping::{FractionalLinear, Map, RowCoords, UndistortMap};
 use collinear::nalgebra::{Matrix2, Matrix3, Point2, Point3, Rotation3, RowVector3, Vector3};
@@ -21,6 +23,15 @@ const BAND: usize = 64;
 
 /// A rectangle's size may exceed a whole number of pixels by this much of one before another pixel is added.
 const PART_OF_PIXEL: f64 = 1e-6;
+
+/// A rectified picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rectified {
+    /// The picture.
+    pub picture: Picture,
+    /// Its pixels that lie in the photograph; at least one.
+    pub seen: u64,
+}
 
 /// What leads from a rectified picture into its photograph.
 #[derive(Debug)]
@@ -84,7 +95,9 @@ impl Rectification {
         if let Some(lens) = lens {
             let undistort = UndistortMap::new(lens);
             for c in &mut ideal {
-                *c = undistort.at(c).map_err(|e| anyhow!("corner ({}, {}): {e}", c.x, c.y))?;
+                *c = undistort
+                    .at(c)
+                    .map_err(|e| anyhow!("corner ({}, {}): {e}", Brief(c.x), Brief(c.y)))?;
             }
         }
         let (w, h) = (f64::from(width), f64::from(height));
@@ -128,86 +141,169 @@ impl Rectification {
     /// [`Border::Transparent`] the picture has a channel of opacity, 0 where the photograph shows nothing. `progress` is
     /// called with the rows done and all rows.
     ///
+    /// Nothing but the new picture is allocated, apart from a few rows: photographs are large.
+    ///
     /// # Errors
-    /// A photograph whose samples do not fill it.
+    /// A photograph whose samples do not fill it; a picture none of whose pixels lies in the photograph, whatever the
+    /// border.
     pub fn apply(
         &self,
         photograph: &Picture,
         filter: Filter,
         border: Border,
         progress: &dyn Fn(usize, usize),
-    ) -> Result<Picture> {
+    ) -> Result<Rectified> {
         let colored = match border {
             Border::Constant([r, g, b, _]) => r != g || g != b,
             _ => false,
         };
-        let channels = if photograph.channels > 2 || colored { 3 } else { 1 };
-        let opaque = border == Border::Transparent;
-        let source = channels_of(photograph, channels, opaque);
-        let channels = channels + usize::from(opaque);
-        let job = Job { rectification: self, photograph, source, filter, border, progress };
-        let data = match channels {
+        let colors = if photograph.channels > 2 || colored { 3 } else { 1 };
+        let opacity = border == Border::Transparent;
+        let job =
+            Job { rectification: self, photograph, colors, opacity, filter, border, progress };
+        let (data, seen) = match photograph.channels {
             1 => job.run::<1>(),
             2 => job.run::<2>(),
             3 => job.run::<3>(),
-            _ => job.run::<4>(),
+            4 => job.run::<4>(),
+            other => bail!("has {other} channels, 1 to 4 are read"),
         }?;
-        let (width, height) = (self.width, self.height);
-        Ok(Picture { width, height, channels: channels as u8, data, orientation: 1 })
+        if seen == 0 {
+            return Err(self.unseen(photograph));
+        }
+        let (width, height, channels) = (self.width, self.height, job.channels() as u8);
+        let picture = Picture { width, height, channels, data, orientation: 1 };
+        Ok(Rectified { picture, seen })
     }
-}
 
-/// A picture's samples as grey or colour, with or without an opacity of 255.
-fn channels_of(picture: &Picture, channels: usize, opaque: bool) -> Vec<u8> {
-    let pixels = picture.data.chunks_exact(usize::from(picture.channels.max(1)));
-    let mut out = Vec::with_capacity(pixels.len() * (channels + usize::from(opaque)));
-    for pixel in pixels {
-        match pixel {
-            [r, g, b, ..] if channels == 3 => out.extend([*r, *g, *b]),
-            [grey, ..] => out.extend(std::iter::repeat_n(*grey, channels)),
-            [] => {}
+    /// Why nothing is seen, from the picture's corners and middle.
+    fn unseen(&self, photograph: &Picture) -> Error {
+        let (w, h) = (f64::from(self.width), f64::from(self.height));
+        let mut reason = String::new();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for (x, y) in [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h), (w / 2.0, h / 2.0)] {
+            match self.map.at(&Point2::new(x, y)) {
+                Ok(p) => {
+                    for (k, c) in [p.x, p.y].into_iter().enumerate() {
+                        (low[k], high[k]) = (low[k].min(c), high[k].max(c));
+                    }
+                }
+                Err(e) => reason = e.to_string(),
+            }
         }
-        if opaque {
-            out.push(u8::MAX);
+        if low[0] <= high[0] {
+            let [left, top] = low.map(Brief);
+            let [right, bottom] = high.map(Brief);
+            reason = format!(
+                "they lie at x from {left} to {right}, y from {top} to {bottom}, and the photograph has {} × {} pixels",
+                photograph.width, photograph.height
+            );
         }
+        anyhow!(
+            "none of the {} × {} pixels lies in the photograph: {reason}",
+            self.width,
+            self.height
+        )
     }
-    out
 }
 
 struct Job<'a> {
     rectification: &'a Rectification,
     photograph: &'a Picture,
-    source: Vec<u8>,
+    /// Samples of a new pixel, without its opacity.
+    colors: usize,
+    /// Whether a new pixel has an opacity.
+    opacity: bool,
     filter: Filter,
     border: Border,
     progress: &'a dyn Fn(usize, usize),
 }
 
 impl Job<'_> {
-    fn run<const C: usize>(&self) -> Result<Vec<u8>> {
+    fn channels(&self) -> usize {
+        self.colors + usize::from(self.opacity)
+    }
+
+    /// The new picture's samples, and how many of its pixels lie in the photograph.
+    ///
+    /// The photograph is looked up as it is, with all of its channels, and the rows of a band then get what they need of
+    /// them: no copy of the photograph with other channels is made.
+    fn run<const C: usize>(&self) -> Result<(Vec<u8>, u64)> {
         let Rectification { width, height, map, .. } = self.rectification;
-        let (width, height) = (*width as usize, *height as usize);
+        let (width, height, channels) = (*width as usize, *height as usize, self.channels());
         let (w, h) = (self.photograph.width as usize, self.photograph.height as usize);
-        let source = ImageView::<u8, C>::new(&self.source, w, h)?;
-        let mut data = vec![0; width * height * C];
+        let source = ImageView::<u8, C>::new(&self.photograph.data, w, h)?;
+        let mut data = vec![0; width * height * channels];
+        let mut found = vec![0; width * height.min(BAND) * C];
+        let mut seen = 0;
         (self.progress)(0, height);
-        for (i, rows) in data.chunks_mut(width * C * BAND).enumerate() {
+        for (i, rows) in data.chunks_mut(width * channels * BAND).enumerate() {
             let first = i * BAND;
-            let count = rows.len() / (width * C);
-            let band = Band { map: map.as_ref(), first: first as i32 };
-            let mut target = ImageViewMut::<u8, C>::new(rows, width, count)?;
-            warp(source, &band, self.filter, self.border, &mut target);
+            let count = rows.len() / (width * channels);
+            let found = found.get_mut(..width * count * C).unwrap_or_default();
+            let inside = Mutex::new(vec![false; width * count]);
+            let size = [self.photograph.width, self.photograph.height];
+            let band = Band { map: map.as_ref(), first: first as i32, width, size, inside };
+            for (target, border) in self.passes::<C>() {
+                found.fill(0);
+                let mut view = ImageViewMut::<u8, C>::new(found, width, count)?;
+                warp(source, &band, self.filter, border, &mut view);
+                match target.len() {
+                    3 => copy_samples::<3, C>(rows, channels, target.start, found),
+                    _ => copy_samples::<1, C>(rows, channels, target.start, found),
+                }
+            }
+            let inside = band.inside.into_inner().unwrap_or_else(PoisonError::into_inner);
+            seen += inside.iter().filter(|i| **i).count() as u64;
+            if self.opacity {
+                for (new, inside) in rows.chunks_exact_mut(channels).zip(inside) {
+                    if let Some(last) = new.last_mut().filter(|_| inside) {
+                        *last = u8::MAX;
+                    }
+                }
+            }
             (self.progress)(first + count, height);
         }
-        Ok(data)
+        Ok((data, seen))
+    }
+
+    /// The new samples that each lookup fills, and its border. A grey photograph before a border with a colour is looked up
+    /// once for each of the three.
+    fn passes<const C: usize>(&self) -> Vec<(Range<usize>, Border)> {
+        match self.border {
+            Border::Constant(color) if C < self.colors => {
+                let pass = |(k, c)| (k..k + 1, Border::Constant([c; 4]));
+                color.into_iter().take(self.colors).enumerate().map(pass).collect()
+            }
+            border => vec![(0..self.colors, border)],
+        }
     }
 }
 
-/// A map's rows from `first` on.
+/// The first N samples of each pixel of C, to pixels of another number of channels, from sample `start` on.
+fn copy_samples<const N: usize, const C: usize>(
+    to: &mut [u8],
+    channels: usize,
+    start: usize,
+    from: &[u8],
+) {
+    for (new, old) in to.chunks_exact_mut(channels).zip(from.chunks_exact(C)) {
+        let new = new.get_mut(start..).and_then(<[u8]>::first_chunk_mut::<N>);
+        if let (Some(new), Some(old)) = (new, old.first_chunk::<N>()) {
+            *new = *old;
+        }
+    }
+}
+
+/// A map's rows from `first` on, which marks the pixels that lie in the photograph.
 #[derive(Debug)]
 struct Band<'a> {
     map: &'a dyn Map,
     first: i32,
+    width: usize,
+    /// The photograph's.
+    size: [u32; 2],
+    inside: Mutex<Vec<bool>>,
 }
 
 impl Band<'_> {
@@ -227,6 +323,23 @@ impl Map for Band<'_> {
 
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
         self.map.row(line + self.first, samples, out);
+        let mut inside = self.inside.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = line as usize * self.width;
+        // As a lookup with a transparent border decides: by the texel that contains the point.
+        let within = |origin: i32, offset: f32, size: i64| {
+            let truncated = offset as i32;
+            let texel = origin + truncated - i32::from(offset < truncated as f32);
+            (0..size).contains(&i64::from(texel))
+        };
+        let [w, h] = self.size.map(i64::from);
+        for run in out.runs() {
+            let (u, v) = out.offsets(run);
+            for ((x, u), v) in run.pixels().zip(u).zip(v) {
+                if let Some(mark) = inside.get_mut(start + x as usize) {
+                    *mark = within(run.origin[0], *u, w) && within(run.origin[1], *v, h);
+                }
+            }
+        }
     }
 }
 
@@ -265,10 +378,14 @@ fn is_behind(camera: &CameraFile, plane: &PlaneFile) -> Result<bool> {
 /// The rectangle of a plane that a photograph shows: the box about its border, traced pixel by pixel to the plane.
 ///
 /// # Errors
-/// A border that does not meet the plane, since its horizon is in view: state a rectangle then.
+/// A camera that lies in the plane. A border that does not meet the plane, since its horizon is in view: state a rectangle
+/// then.
 pub fn footprint(plane: &PlaneFile, camera: &CameraFile) -> Result<Rectangle> {
     let photograph = camera.camera()?;
     let surface = plane.plane()?;
+    let unit = Rectangle { left: 0.0, bottom: 0.0, right: 1.0, top: 1.0 };
+    // A camera in the plane sees no rectangle of it, and no advice to give one helps.
+    PlaneMap::new(&surface, &photograph, &face_on(plane, &unit, 1, 1)?)?;
     let mut found = Rectangle {
         left: f64::INFINITY,
         bottom: f64::INFINITY,
@@ -281,13 +398,13 @@ pub fn footprint(plane: &PlaneFile, camera: &CameraFile) -> Result<Rectangle> {
             Err(ProjectionError::MissesSurface) => bail!(
                 "the plane's horizon is in view of the photograph, its border at ({}, {}) does not meet the plane: \
                  the plane file needs a `rectangle`",
-                p.x,
-                p.y
+                Brief(p.x),
+                Brief(p.y)
             ),
             Err(e) => bail!(
                 "the photograph's border at ({}, {}) has no place on the plane, the plane file needs a `rectangle`: {e}",
-                p.x,
-                p.y
+                Brief(p.x),
+                Brief(p.y)
             ),
         };
         let [right, up] =
@@ -300,7 +417,8 @@ pub fn footprint(plane: &PlaneFile, camera: &CameraFile) -> Result<Rectangle> {
     let Rectangle { left, bottom, right, top } = found;
     ensure!(
         right > left && top > bottom,
-        "the photograph sees the plane edge on: the plane file needs a `rectangle`"
+        "what the photograph shows of the plane has no width or no height in numbers of 64 bits: \
+         the plane file needs a `rectangle`"
     );
     Ok(found)
 }
@@ -326,7 +444,10 @@ pub fn size_at(rectangle: &Rectangle, units_per_pixel: f64) -> Result<(Rectangle
     let largest = f64::from(crate::LARGEST_SIDE);
     ensure!(
         w <= largest && h <= largest,
-        "at {units_per_pixel} units a pixel the rectangle has {w} × {h} pixels: a side must be from 1 to {largest}"
+        "at {} units a pixel the rectangle has {} × {} pixels: a side must be from 1 to {largest}",
+        Brief(units_per_pixel),
+        Brief(w),
+        Brief(h)
     );
     let (width, height) = (w as u32, h as u32);
     check_size(width, height)?;

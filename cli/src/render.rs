@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use collinear::camera::HomogeneousCamera;
+use collinear::error::Brief;
 use collinear::geometry::Plane;
 use collinear::mapping::Map;
 use collinear::nalgebra::{Point3, Vector3};
@@ -41,6 +42,8 @@ pub struct Report {
     pub culled: usize,
     /// Polygons before the near distance, or of no area on the screen.
     pub outside: usize,
+    /// Those of them that would be seen if the near distance were smaller.
+    pub nearer: Vec<Remark>,
     /// Polygons that could not be drawn.
     pub refused: Vec<Remark>,
     /// Polygons that were drawn otherwise than the scene asks.
@@ -139,6 +142,12 @@ pub fn render_scene(
                 }
                 Ok(Outcome::Culled) => report.culled += 1,
                 Ok(Outcome::Outside) => report.outside += 1,
+                Ok(Outcome::Nearer { depth }) => {
+                    report.outside += 1;
+                    let (depth, near) = (Brief(depth), Brief(near));
+                    let text = format!("lies up to a depth of {depth}, nearer than `near`, {near}");
+                    report.nearer.push(remark(text));
+                }
                 Err(reason) => report.refused.push(remark(reason)),
             }
             step();
@@ -164,13 +173,14 @@ impl<'a> Sources<'a> {
             if shown(&|f| matches!(f, Fill::Photograph(name) if *name == p.name)) {
                 let file = p.camera.camera(Path::new(""))?;
                 let camera = file.camera().map_err(|e| anyhow!("photographs[{i}].camera: {e}"))?;
-                let picture = Rgb::read_sized(&p.image, &file)?;
+                let picture = Rgb::read_sized(&p.image, &file)
+                    .map_err(|e| anyhow!("photographs[{i}].image: {e}"))?;
                 photographs.insert(p.name.as_str(), (picture, camera));
             }
             step();
         }
         let mut textures = HashMap::new();
-        for t in &scene.textures {
+        for (i, t) in scene.textures.iter().enumerate() {
             if shown(&|f| matches!(f, Fill::Texture { name, .. } if *name == t.name)) {
                 let border = match t.border {
                     scene::Border::Clamp => Border::Clamp,
@@ -178,7 +188,9 @@ impl<'a> Sources<'a> {
                     scene::Border::Mirror => Border::Mirror,
                     scene::Border::Transparent => Border::Transparent,
                 };
-                textures.insert(t.name.as_str(), (Rgb::read(&t.image)?, border));
+                let picture =
+                    Rgb::read(&t.image).map_err(|e| anyhow!("textures[{i}].image: {e}"))?;
+                textures.insert(t.name.as_str(), (picture, border));
             }
             step();
         }
@@ -187,10 +199,21 @@ impl<'a> Sources<'a> {
 }
 
 enum Outcome {
-    Drawn { notes: Vec<String> },
+    Drawn {
+        notes: Vec<String>,
+    },
     Culled,
     Outside,
+    /// Wholly before the near distance, and seen otherwise.
+    Nearer {
+        /// That of its farthest vertex.
+        depth: f64,
+    },
 }
+
+/// A polygon may be so much nearer than the near distance, as a part of its farthest vertex's depth, and is still looked
+/// for. It is far from what makes a vertex in the eye's own plane.
+const STILL_BEFORE_THE_EYE: f64 = 1e-9;
 
 /// What every polygon of a scene is drawn with.
 struct Draw<'a, 'b> {
@@ -204,18 +227,44 @@ struct Draw<'a, 'b> {
 }
 
 impl Draw<'_, '_> {
+    /// Whether a polygon of which nothing is left would be seen with a smaller near distance.
+    fn hidden_by_near(&self, world: &[Point3<f64>]) -> Outcome {
+        let depth_of = |p: &Point3<f64>| {
+            let row = self.screen.image_from_world().row(2).into_owned();
+            (row * (p - self.screen.origin()).push(1.0)).x
+        };
+        let depth = world.iter().map(depth_of).fold(f64::NEG_INFINITY, f64::max);
+        let nearer = depth * STILL_BEFORE_THE_EYE;
+        if self.screen.is_parallel() || !(depth < self.near && nearer > 0.0) {
+            return Outcome::Outside;
+        }
+        let mut seen = false;
+        if let Ok(outline) = ScreenPolygon::project(world, self.screen, nearer) {
+            let (width, height) = (self.canvas.width(), self.canvas.height());
+            outline.spans(width, height, |_| seen = true);
+            seen &= outline.shows(self.facing);
+        }
+        if seen { Outcome::Nearer { depth } } else { Outcome::Outside }
+    }
+
     /// Draws one polygon, or says why it cannot be drawn.
     fn polygon(&mut self, polygon: &Polygon) -> Result<Outcome, String> {
         let world: Vec<Point3<f64>> = polygon.vertices.iter().map(|v| Point3::from(*v)).collect();
         let outline = ScreenPolygon::project(&world, self.screen, self.near).map_err(text)?;
         if outline.is_empty() {
-            return Ok(Outcome::Outside);
+            return Ok(self.hidden_by_near(&world));
         }
         if !outline.shows(self.facing) {
             return Ok(Outcome::Culled);
         }
         let (plane, uneven) = plane_of(&world)?;
-        let nearness = self.screen.nearness(&plane).map_err(text)?;
+        let nearness = self.screen.nearness(&plane).map_err(|e| match e {
+            collinear::Error::Degenerate { measure, .. } => format!(
+                "the view's eye lies in its plane and sees it as a line: it is {} off it",
+                Brief(measure)
+            ),
+            other => other.to_string(),
+        })?;
         let sources = self.sources;
         let (image, border, map): (ImageView<'_, u8, 3>, Border, Box<dyn Map>) = match &polygon.fill
         {
@@ -270,14 +319,21 @@ impl Draw<'_, '_> {
 /// A polygon's plane; and, where its vertices do not lie in one, a remark on how far they are off it.
 fn plane_of(world: &[Point3<f64>]) -> Result<(Plane, Option<String>), String> {
     if let [a, b, c] = world {
-        return Ok((Plane::through(a, b, c).map_err(text)?, None));
+        return Ok((Plane::through(a, b, c).map_err(no_plane)?, None));
     }
-    let fit = Plane::fit(world).map_err(text)?;
+    let fit = Plane::fit(world).map_err(no_plane)?;
     let size = world.iter().map(|p| (p - fit.plane.point()).norm()).fold(0.0, f64::max);
     let off = fit.largest_residual;
     let note = (off > UNEVEN * size)
         .then(|| format!("drawn in the plane of best fit: vertices lie up to {off:.3e} off it"));
     Ok((fit.plane, note))
+}
+
+fn no_plane(error: collinear::Error) -> String {
+    match error {
+        collinear::Error::Degenerate { .. } => "its vertices lie on one line".into(),
+        other => other.to_string(),
+    }
 }
 
 fn text(error: impl fmt::Display) -> String {

@@ -31,14 +31,43 @@ fn help_tells_what_a_command_does_and_in_which_units() {
     ] {
         let run = folder.succeed(&[command, "--help"]);
         for essential in essentials.iter().chain(&["Exit codes: 0 done", "2 wrong usage"]) {
-            assert!(run.stdout.contains(essential), "{command}: {essential}\n{}", run.stdout);
+            assert!(
+                joined(&run.stdout).contains(essential),
+                "{command}: {essential}\n{}",
+                run.stdout
+            );
         }
     }
     let run = folder.succeed(&["--help"]);
+    assert!(joined(&run.stdout).contains("2 wrong usage"), "{}", run.stdout);
     for essential in ["render", "rectify", "project", "overlay", "(0.5, 0.5)", "formats.md"] {
         assert!(run.stdout.contains(essential), "{essential}\n{}", run.stdout);
     }
     assert!(folder.succeed(&["--version"]).stdout.starts_with("collinear 0."));
+}
+
+/// A text with one space wherever it has any, as line breaks.
+fn joined(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn help_has_no_line_that_broke_before_it_was_full() {
+    let folder = Folder::new();
+    for command in ["render", "rectify", "project", "overlay"] {
+        for width in [100, 72] {
+            let text = folder.succeed_at_width(&[command, "--help"], width).stdout;
+            let (prose, _) = text.split_once("\nUsage:").unwrap();
+            let lines: Vec<_> = prose.lines().collect();
+            for pair in lines.windows(2) {
+                let next = pair[1].split_whitespace().next().unwrap_or_default();
+                let full = pair[0].is_empty() || next.is_empty() || {
+                    pair[0].chars().count() + 1 + next.chars().count() > width
+                };
+                assert!(full && pair[0].chars().count() <= width, "{pair:?}\n{text}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -132,7 +161,12 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
         "upside.json",
         ground(r#", "rectangle": { "left": 1, "bottom": 0, "right": 0, "top": 1 }"#),
     );
+    folder.write("edge.json", document("plane", r#""point": [0, 0, 9], "normal": [1, 0, 0]"#));
+    folder.write("map.json", document("camera", &map_view(40, 30)));
+    folder.write("long.json", document("camera", &vertical(40, 30, "").replace("100", "1e308")));
     folder.write("points.csv", "X,Y,Z\n1,2,3\n1,2,NaN\n");
+    folder.write("empty.csv", "").write("comment.csv", "# later\n");
+    folder.write("bare.obj", "v 1 2 3\nv 4 5 6\nf 1\n").write("empty.obj", "");
     let scene = |photographs: &str, polygons: &str, view: &str| {
         document("scene", &format!(r#"{photographs} "polygons": [{polygons}], "view": {view}"#))
     };
@@ -146,6 +180,12 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
     folder.write("cut.json", scene(&photo("cut.png", "camera.json"), shown, &view));
     folder.write("size.json", scene(&photo("wide.png", "camera.json"), shown, &view));
     folder.write("view.json", scene("", "", "\"lens.json\""));
+    folder.write("eye.json", scene("", "", "\"gone.json\""));
+    folder.write("dot.json", scene(&photo("photo.png", "."), shown, &view));
+    folder.write("void.json", scene("", "", &view));
+    let brick = r#""textures": [{ "name": "b", "image": "gone.png" }],"#;
+    let laid = r#"{ "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "texture": "b", "coordinates": [[0, 0], [1, 0], [0, 1]] }"#;
+    folder.write("brick.json", scene(brick, laid, &view));
     folder
         .write("huge.json", scene("", "", &view.replace("\"width\": 20", "\"width\": 4000000000")));
     folder.write("vertex.json", scene("", &shown.replace("[1, 0, 0]", "[1, 0]"), &view));
@@ -157,15 +197,29 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
         ]
     };
     let render = |scene: &'static str| vec!["render", scene, "-o", "out.png"];
+    let overlay = |kind: &'static str, file: &'static str| {
+        vec!["overlay", "photo.png", "--camera", "camera.json", kind, file, "-o", "out.png"]
+    };
+    let project =
+        |points: &'static str| vec!["project", "--camera", "camera.json", points, "-o", "out.png"];
     let cases = [
         (render("none.json"), "none.json: cannot be read: "),
         (
             render("unknown.json"),
             "unknown.json: polygons[0].photograph: names a photograph `p`, which is not there",
         ),
-        (render("missing.json"), "missing.json: gone.png: cannot be read: "),
-        (render("cut.json"), "cut.json: cut.png: is cut off after "),
-        (render("size.json"), "size.json: wide.png: is 41 × 30 pixels, its camera says 40 × 30"),
+        (render("missing.json"), "missing.json: photographs[0].image: gone.png: cannot be read: "),
+        (render("cut.json"), "cut.json: photographs[0].image: cut.png: is cut off after "),
+        (
+            render("size.json"),
+            "size.json: photographs[0].image: wide.png: is 41 × 30 pixels, its camera says 40 × 30",
+        ),
+        (render("dot.json"), "dot.json: photographs[0].camera: .: cannot be read: Is a directory"),
+        (render("eye.json"), "eye.json: view: gone.json: cannot be read: "),
+        (
+            render("brick.json"),
+            "brick.json: textures[0].image: gone.png: cannot be read: No such file",
+        ),
         (render("view.json"), "view.json: view.interior.model: is `brown`: a view has no lens"),
         (
             render("huge.json"),
@@ -185,7 +239,19 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
         ),
         (
             rectify("camera.json", "through.json", "photo.png"),
-            "through.json: plane through the texture camera is degenerate",
+            "through.json: the camera lies in the plane and sees it as a line: its projection centre is 0 off it",
+        ),
+        (
+            rectify("camera.json", "edge.json", "photo.png"),
+            "edge.json: the camera lies in the plane and sees it as a line: its projection centre is 0 off it",
+        ),
+        (
+            rectify("map.json", "edge.json", "photo.png"),
+            "edge.json: the camera looks along the plane and sees it as a line: the sine of their angle is 0",
+        ),
+        (
+            rectify("long.json", "plane.json", "photo.png"),
+            "long.json: interior.principal_distance[0]: is 1e308, expected a number from 1e-6 to 1e9",
         ),
         (rectify("camera.json", "plane.json", "none.png"), "none.png: cannot be read: "),
         (rectify("camera.json", "plane.json", "cut.png"), "cut.png: is cut off after "),
@@ -217,12 +283,21 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
                 "-o",
                 "out.png",
             ],
-            "plane.json: at 0.00001 units a pixel the rectangle has 400000 × 300000 pixels",
+            "plane.json: at 1e-5 units a pixel the rectangle has 400000 × 300000 pixels",
         ),
         (
             vec!["project", "--camera", "camera.json", "points.csv", "-o", "out.png"],
             "points.csv: line 3, field 3: Z is `NaN`",
         ),
+        (project("empty.csv"), "empty.csv: is empty: neither a header nor a point is in it"),
+        (project("comment.csv"), "comment.csv: is empty: neither a header nor a point is in it"),
+        (
+            overlay("--mesh", "photo.png"),
+            "photo.png: is no text: a Wavefront OBJ file is needed here",
+        ),
+        (overlay("--mesh", "bare.obj"), "bare.obj: there are no faces and no lines in it"),
+        (overlay("--mesh", "empty.obj"), "empty.obj: there are no faces and no lines in it"),
+        (overlay("--scene", "void.json"), "void.json: polygons: there are none, nothing to draw"),
         (
             vec![
                 "overlay",

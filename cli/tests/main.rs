@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test panics to fail")]
 
 mod failures;
+mod files;
 mod overlay;
 mod project;
+mod readme;
 mod rectify;
 mod render;
 mod support;

@@ -128,6 +128,15 @@ fn an_edge_ends_before_the_camera() {
 }
 
 #[test]
+fn a_frame_of_which_nothing_is_in_view_is_told() {
+    let folder = folder("");
+    folder.write("mesh.obj", "v 0 0 20\nv 1 0 20\nv 1 1 20\nf 1 2 3\n");
+    let run = folder.succeed(&overlay(&["--mesh", "mesh.obj", "-o", "out.svg"]));
+    let told = "warning: out.svg: none of the 3 edges is in view of the camera";
+    assert!(run.stderr.contains(told), "{}", run.stderr);
+}
+
+#[test]
 fn a_mesh_is_read_with_its_groups() {
     let folder = folder("");
     let mesh = "# a comment\nmtllib x.mtl\no roof\nv -1 -1 0\nv 1 -1 0\nv 1 1 0 1.0\nf 1/1/1 2/2/1 3/3/1\n\

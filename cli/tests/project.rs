@@ -28,6 +28,19 @@ fn world_points_get_their_pixels_or_a_reason() {
 }
 
 #[test]
+fn a_list_without_points_gives_a_table_without_lines_and_says_so() {
+    let folder = folder("");
+    folder.write("points.csv", "id,X,Y,Z\n").write("clicks.csv", "X,Y,Z,x,y\n1,2,3,,\n");
+    let run = folder.succeed(&["project", "--camera", "camera.json", "points.csv"]);
+    assert_eq!(run.stdout, "id,X,Y,Z,x,y,status\n");
+    assert_eq!(run.stderr, "collinear: warning: points.csv: no point is in it\n");
+    let inverse = ["--inverse", "--plane", "ground.json", "clicks.csv"];
+    let run = folder.succeed(&[&["project", "--camera", "camera.json"], &inverse[..]].concat());
+    assert_eq!(run.stdout, "id,X,Y,Z,x,y,status\n");
+    assert_eq!(run.stderr, "collinear: warning: clicks.csv: no point with x and y is in it\n");
+}
+
+#[test]
 fn a_point_past_the_fold_has_a_reason() {
     // 1 − 3 · 0.5 r² = 0 at r = √(2/3) = 0.8165: 8.165 from the middle on the ground.
     let folder = folder(r#", "k": [-0.5, 0, 0]"#);

@@ -186,6 +186,97 @@ fn corners_go_through_the_lens_of_a_camera_given_with_them() {
 }
 
 #[test]
+fn a_picture_of_nothing_is_an_error_with_numbers() {
+    let folder = with_photograph([40, 30], "");
+    folder.write("out.png", "old");
+    let rectangle = |left: i32, normal: &str| {
+        let right = left + 2;
+        let fields = format!(
+            r#"{normal}, "rectangle": {{ "left": {left}, "bottom": -1, "right": {right}, "top": 1 }}"#
+        );
+        document("plane", &fields)
+    };
+    let ground = r#""point": [0, 0, 0], "normal": [0, 0, 1]"#;
+    let cases = [
+        // Behind the camera, which is at height 10 and looks down.
+        (
+            rectangle(-1, r#""point": [0, 0, 15], "normal": [0, 0, 1]"#),
+            "photo.png: none of the 20 × 20 pixels lies in the photograph: the point lies behind the camera",
+        ),
+        // Ten pixels a unit about (20, 15).
+        (
+            rectangle(50, ground),
+            "photo.png: none of the 20 × 20 pixels lies in the photograph: they lie at x from 520 to 540, \
+             y from 5 to 25, and the photograph has 40 × 30 pixels",
+        ),
+    ];
+    for (plane, reason) in cases {
+        folder.write("plane.json", plane);
+        for border in ["transparent", "constant:1,2,3", "clamp", "repeat", "mirror"] {
+            let more =
+                ["--size", "20x20", "--border", border, "-o", "out.png", "--map-out", "m.json"];
+            let run = folder.run(&[&rectify(&CAMERA)[..], &more].concat());
+            assert_eq!(run.code, 1, "{border}: {}", run.stderr);
+            assert!(
+                run.stderr.starts_with(&format!("collinear: error: {reason}")),
+                "{}",
+                run.stderr
+            );
+            assert_eq!(folder.text("out.png"), "old");
+            assert!(!folder.files().contains(&"m.json".to_owned()));
+        }
+    }
+    // What lies partly in the photograph says how much of it does: here the left two of four columns of five pixels.
+    folder.write("plane.json", rectangle(1, ground));
+    let run =
+        folder.succeed(&[&rectify(&CAMERA)[..], &["--size", "20x20", "-o", "out.png"]].concat());
+    assert!(run.stderr.contains(", 200 of 400 in the photograph"), "{}", run.stderr);
+    // A quadrilateral beyond the photograph.
+    let quad = ["--quad", "100,0 110,0 110,10 100,10", "--size", "9x9", "-o", "out.png"];
+    let run = folder.run(&rectify(&quad));
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("they lie at x from 100 to 110, y from 0 to 10"), "{}", run.stderr);
+}
+
+#[test]
+fn any_number_of_channels_is_looked_up_as_it_is() {
+    let folder = Folder::new();
+    for channels in 1..=4u8 {
+        let data = (0..40 * 30 * u32::from(channels)).map(|i| (i * 11 % 251) as u8).collect();
+        let picture = Picture { width: 40, height: 30, channels, data, orientation: 1 };
+        write_picture(&folder.path("photo.png"), &picture).unwrap();
+        // Longer than one band of rows, shifted by half the photograph: part of it lies beyond.
+        let quad = ["--quad", "20,15 60,15 60,45 20,45", "--filter", "nearest"];
+        for (border, colors, opacity) in [
+            ("transparent", if channels > 2 { 3 } else { 1 }, true),
+            ("constant:7,7,7", if channels > 2 { 3 } else { 1 }, false),
+            ("constant:7,8,9", 3, false),
+        ] {
+            let more = ["--size", "160x120", "--border", border, "-o", "out.png"];
+            folder.succeed(&[&rectify(&quad)[..], &more].concat());
+            let out = folder.picture("out.png");
+            assert_eq!(out.channels, colors + u8::from(opacity), "{channels} {border}");
+            for (x, y) in [(0, 0), (79, 59), (5, 58), (80, 59), (79, 60), (159, 119), (3, 100)] {
+                let (u, v) = (20 + x / 4, 15 + y / 4);
+                let mut expected: Vec<u8> = if u < 40 && v < 30 {
+                    let p = pixel(&picture, u, v);
+                    (0..colors).map(|k| p[if channels > 2 { k.into() } else { 0 }]).collect()
+                } else if opacity {
+                    vec![0; colors.into()]
+                } else {
+                    let b: Vec<u8> = border[9..].split(',').map(|c| c.parse().unwrap()).collect();
+                    b[..colors.into()].to_vec()
+                };
+                if opacity {
+                    expected.push(if u < 40 && v < 30 { 255 } else { 0 });
+                }
+                assert_eq!(pixel(&out, x, y), expected, "{channels} {border} ({x}, {y})");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_border_is_as_asked_for() {
     let folder = with_photograph([40, 30], "");
     // One unit, ten pixels, beyond the photograph on the left and none elsewhere.

@@ -178,7 +178,7 @@ fn a_polygon_that_cannot_be_drawn_is_named_and_left_out_or_an_error_with_strict(
     folder.write("view.png", "old");
     let strict = folder.run(&["render", "scene.json", "-o", "view.png", "--strict"]);
     assert_eq!(strict.code, 1);
-    let reason = "scene.json: polygons[0] `slant`: photograph `down`: plane through the texture camera is degenerate";
+    let reason = "scene.json: polygons[0] `slant`: photograph `down`: the camera lies in the plane and sees it as a line";
     assert!(strict.stderr.contains(reason), "{}", strict.stderr);
     assert_eq!(folder.text("view.png"), "old");
     let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
@@ -188,6 +188,63 @@ fn a_polygon_that_cannot_be_drawn_is_named_and_left_out_or_an_error_with_strict(
         run.stderr
     );
     assert_eq!(pixel(&folder.picture("view.png"), 20, 17), [200, 0, 0]);
+}
+
+#[test]
+fn a_wall_is_seen_however_far_the_ground_reaches() {
+    let folder = Folder::new();
+    // A level eye at height 1 that looks north. The wall is 20 away, the ground's end 50 km.
+    let view = r#""width": 40, "height": 30,
+        "interior": { "model": "pinhole", "principal_distance": [20, 20], "principal_point": [20, 15] },
+        "exterior": { "projection_center": [0, 0, 1], "rotation_matrix": [[1, 0, 0], [0, 0, -1], [0, 1, 0]] }"#;
+    let wall = r#"{ "name": "wall", "vertices": [[-9, 20, 0], [9, 20, 0], [9, 20, 9], [-9, 20, 9]], "color": [200, 0, 0] }"#;
+    let ground = r#"{ "vertices": [[-9, 5, 0], [9, 5, 0], [50000, 50000, 0], [-50000, 50000, 0]], "color": [0, 90, 0] }"#;
+    let polygons = [wall, ground].join(",");
+    folder.write("scene.json", scene("", &polygons, view, ""));
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    assert!(run.stderr.contains("2 polygons drawn, 0 culled, 0 out of view"), "{}", run.stderr);
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    // 8 above the eye at 20 is 8 pixels up.
+    assert_eq!(pixel(&folder.picture("view.png"), 20, 10), [200, 0, 0]);
+    // What a larger near distance takes away is told; what lies behind the eye or beside the view is no news.
+    let others = r#"{ "vertices": [[-9, -20, 0], [9, -20, 0], [9, -20, 9]], "color": [1, 2, 3] },
+        { "vertices": [[80, 20, 0], [90, 20, 0], [90, 20, 9]], "color": [1, 2, 3] },
+        { "vertices": [[-1, 10, 0], [1, 10, 0], [1, 10, 2]], "color": [1, 2, 3] }"#;
+    let polygons = [wall, ground, others].join(",");
+    folder.write("scene.json", scene("", &polygons, view, r#", "near": 50"#));
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let told = "warning: scene.json: polygons[0] `wall`: lies up to a depth of 20, nearer than `near`, 50, \
+        and is not drawn, like 1 other";
+    assert!(run.stderr.contains(told), "{}", run.stderr);
+    assert!(run.stderr.contains("1 polygons drawn, 0 culled, 4 out of view"), "{}", run.stderr);
+    assert_eq!(pixel(&folder.picture("view.png"), 20, 10), [0, 0, 0]);
+}
+
+#[test]
+fn an_outline_that_crosses_itself_is_drawn_by_the_even_odd_rule() {
+    let folder = Folder::new();
+    // A bow tie: its two triangles are drawn. A pentagram: its points are drawn and its middle is not.
+    let tie =
+        r#"{ "vertices": [[-1, -1, 0], [1, 1, 0], [1, -1, 0], [-1, 1, 0]], "color": [200, 0, 0] }"#;
+    folder.write("scene.json", scene("", tie, &map_view(20, 20), ""));
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let view = folder.picture("view.png");
+    for (x, y, red) in [(2, 10, 200), (17, 10, 200), (10, 2, 0), (10, 17, 0)] {
+        assert_eq!(pixel(&view, x, y), [red, 0, 0], "({x}, {y})");
+    }
+    let corner = |k: usize| {
+        let angle = std::f64::consts::TAU * (k as f64 / 5.0 + 0.25);
+        format!("[{}, {}, 0]", angle.cos(), angle.sin())
+    };
+    let star = [0, 2, 4, 1, 3].map(corner).join(",");
+    let star = format!(r#"{{ "vertices": [{star}], "color": [200, 0, 0] }}"#);
+    folder.write("scene.json", scene("", &star, &map_view(20, 20), ""));
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let view = folder.picture("view.png");
+    for (x, y, red) in [(10, 3, 200), (3, 7, 200), (16, 7, 200), (10, 10, 0), (9, 8, 0), (0, 0, 0)]
+    {
+        assert_eq!(pixel(&view, x, y), [red, 0, 0], "({x}, {y})");
+    }
 }
 
 #[test]

@@ -56,8 +56,20 @@ impl Folder {
 
     /// Runs the program in this folder.
     pub(crate) fn run(&self, arguments: &[&str]) -> Run {
+        self.run_at_width(arguments, 100)
+    }
+
+    /// Runs the program for a terminal of so many columns and expects it to succeed.
+    pub(crate) fn succeed_at_width(&self, arguments: &[&str], columns: usize) -> Run {
+        let run = self.run_at_width(arguments, columns);
+        assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
+        run
+    }
+
+    fn run_at_width(&self, arguments: &[&str], columns: usize) -> Run {
         let output = Command::new(env!("CARGO_BIN_EXE_collinear"))
             .args(arguments)
+            .env("COLUMNS", columns.to_string())
             .current_dir(self.0.path())
             .output()
             .unwrap();

@@ -13,6 +13,29 @@ use collinear_io::scene::SceneFile;
 const STEP: usize = 7;
 
 #[test]
+fn the_files_beside_the_photographs_are_what_the_program_writes() {
+    let folder: PathBuf = [env!("CARGO_MANIFEST_DIR"), "..", "examples", "town"].iter().collect();
+    let town = Town::new();
+    let files = brute_force::scene_file::files(&town);
+    // The scene, the plane, the points, and a camera for each photograph.
+    assert_eq!(files.len(), 3 + town.photographs.len());
+    // Sine and cosine of different machines may turn a number's last digits.
+    let split = |text: &str| -> (String, Vec<f64>) {
+        let is_number = |c: char| c.is_ascii_digit() || "+-.e".contains(c);
+        let words = text.split(|c| !is_number(c)).filter_map(|w| w.parse().ok()).collect();
+        (text.split(is_number).collect(), words)
+    };
+    for (name, made) in files {
+        let stored = std::fs::read_to_string(folder.join(&name)).unwrap();
+        let ((made, numbers), (stored, old)) = (split(&made), split(&stored));
+        assert!(made == stored && numbers.len() == old.len(), "{name}: run the example `town`");
+        for (a, b) in numbers.iter().zip(&old) {
+            assert!((a - b).abs() < 1e-9 + 1e-12 * b.abs(), "{name}: {a} is {b}");
+        }
+    }
+}
+
+#[test]
 fn the_new_view_is_what_brute_force_casts_where_nothing_stands_in_the_photographs_way() {
     let file: PathBuf =
         [env!("CARGO_MANIFEST_DIR"), "..", "examples", "town", "town.json"].iter().collect();

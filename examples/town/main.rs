@@ -1,9 +1,10 @@
-//! Makes the photographs of a small town and the scene file that joins them to its polygons.
+//! Makes the photographs of a small town, their cameras, the scene file that joins them to its polygons, and the plane and
+//! the points that the readme's commands use.
 //!
 //! ```text
-//! cargo run --release --example town -- [DIRECTORY]   write the photographs and town.json
-//!     --only NAME      one photograph, or `view`: the new view itself, cast directly
-//!     --preview N      everything at a scale of 1 : N, the new view too, without town.json
+//! cargo run --release --example town -- [DIRECTORY]   write the photographs and the files
+//!     --only NAME      one photograph; or `view`: the new view itself, cast directly; or `files`: no picture
+//!     --preview N      everything at a scale of 1 : N, the new view too, without the files
 //!     --check          read the photographs, resample the new view from them, compare it with casting
 //! ```
 
@@ -15,7 +16,7 @@ use std::path::PathBuf;
 
 use brute_force::caster::Town;
 use brute_force::picture::write_png;
-use brute_force::scene_file::scene_json;
+use brute_force::scene_file::files;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut directory = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/town"));
@@ -51,8 +52,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             eprintln!("{}: {bytes} bytes", path.display());
         }
     }
-    if preview == 1 && only.is_none() {
-        std::fs::write(directory.join("town.json"), scene_json(&town))?;
+    if preview == 1 && only.is_none_or(|o| o == "files") {
+        for (name, text) in files(&town) {
+            std::fs::write(directory.join(name), text)?;
+        }
     }
     Ok(())
 }

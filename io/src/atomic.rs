@@ -11,8 +11,8 @@ use crate::error::{Error, ErrorKind};
 /// Writes a file so that it is either the old one or the whole new one, never a part.
 ///
 /// The bytes go to a temporary file in the same folder, which is flushed to the disk and then takes the target's name.
-/// After any error, and after a panic of `write`, the target is as it was and the temporary is gone. A symbolic link is
-/// followed, and an existing file's permissions are kept.
+/// After any error, and after a panic of `write`, the target is as it was and the temporary is gone. A folder that is not
+/// there is made, with those above it. A symbolic link is followed, and an existing file's permissions are kept.
 ///
 /// ```
 /// use collinear_io::write_atomically;
@@ -32,8 +32,9 @@ use crate::error::{Error, ErrorKind};
 /// ```
 ///
 /// # Errors
-/// [`ErrorKind::NotAFile`] and [`ErrorKind::ReadOnly`] before `write` is called; [`ErrorKind::Write`] with the
-/// operating system's reason, or with that of `write`.
+/// [`ErrorKind::Folder`], [`ErrorKind::IsAFolder`], [`ErrorKind::NotAFile`], [`ErrorKind::BrokenLink`] and
+/// [`ErrorKind::ReadOnly`] before `write` is called; [`ErrorKind::Write`] with the operating system's reason, or with that
+/// of `write`.
 pub fn write_atomically<F>(path: &Path, write: F) -> Result<(), Error>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -46,6 +47,7 @@ where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
     let (target, permissions) = settle(path)?;
+    make_folder(&target)?;
     let (file, temporary) = create_beside(&target).map_err(ErrorKind::Write)?;
     let mut buffered = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffered).map_err(ErrorKind::Write)?;
@@ -62,18 +64,39 @@ where
 
 /// The file behind any links, and its permissions if it exists.
 fn settle(path: &Path) -> Result<(PathBuf, Option<fs::Permissions>), Error> {
+    // A path drops the separator at its end, and the system would not.
+    if path
+        .as_os_str()
+        .as_encoded_bytes()
+        .last()
+        .is_some_and(|b| std::path::is_separator(*b as char))
+    {
+        return Err(ErrorKind::IsAFolder.into());
+    }
     let is_link = fs::symlink_metadata(path).is_ok_and(|m| m.file_type().is_symlink());
     // A link that leads nowhere fails here: what it should point to is not for this function to create.
     let target =
-        if is_link { path.canonicalize().map_err(ErrorKind::Write)? } else { path.to_owned() };
+        if is_link { path.canonicalize().map_err(ErrorKind::BrokenLink)? } else { path.to_owned() };
     match fs::metadata(&target) {
+        Ok(old) if old.is_dir() => Err(ErrorKind::IsAFolder.into()),
         Ok(old) if !old.is_file() => Err(ErrorKind::NotAFile.into()),
         Ok(old) if old.permissions().readonly() => Err(ErrorKind::ReadOnly.into()),
         Ok(old) => Ok((target, Some(old.permissions()))),
-        Err(e) if e.kind() == io::ErrorKind::NotFound && target.file_name().is_some() => {
-            Ok((target, None))
-        }
+        // Below a file there is nothing either; making the folder says why.
+        Err(e) if is_absence(e.kind()) && target.file_name().is_some() => Ok((target, None)),
         Err(e) => Err(ErrorKind::Write(e).into()),
+    }
+}
+
+fn is_absence(kind: io::ErrorKind) -> bool {
+    matches!(kind, io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+fn make_folder(target: &Path) -> Result<(), ErrorKind> {
+    match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => fs::create_dir_all(folder)
+            .map_err(|source| ErrorKind::Folder { folder: folder.to_owned(), source }),
+        _ => Ok(()),
     }
 }
 

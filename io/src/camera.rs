@@ -11,6 +11,16 @@ use crate::json::object::Object;
 /// does not.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
+/// The smallest and the largest principal distance, in pixels. Far beyond either end the squares of numbers that a camera is
+/// computed with leave `f64`.
+const PRINCIPAL_DISTANCE: [f64; 2] = [1e-6, 1e9];
+
+/// The largest magnitude of a principal point and of a skew, in pixels.
+const FARTHEST_PIXEL: f64 = 1e9;
+
+/// The smallest and the largest scale of a parallel projection, in pixels for each unit, whatever the unit is.
+const PIXELS_PER_UNIT: [f64; 2] = [1e-100, 1e100];
+
 /// A camera as its file states it. Fields, units and defaults: `docs/formats.md`, "camera".
 ///
 /// ```
@@ -131,25 +141,38 @@ impl CameraFile {
 
 impl Interior {
     fn check(&self) -> Result<(), FieldError> {
-        let positive = |field: &str, values: &[f64]| {
-            all_in_range(field, values, "a finite number above 0", |v| v > 0.0)
+        let distances = |values: &[f64]| {
+            let [least, most] = PRINCIPAL_DISTANCE;
+            let expected = "a number from 1e-6 to 1e9 (pixels)";
+            all_in_range("principal_distance", values, expected, |v| (least..=most).contains(&v))
+        };
+        let pixels = |field: &str, values: &[f64]| {
+            let expected = "a number from -1e9 to 1e9 (pixels)";
+            all_in_range(field, values, expected, |v| v.abs() <= FARTHEST_PIXEL)
+        };
+        let skewed = |skew| {
+            in_range("skew", skew, "a number from -1e9 to 1e9", |v| v.abs() <= FARTHEST_PIXEL)
         };
         match self {
             Self::Pinhole { principal_distance, principal_point, skew } => {
-                positive("principal_distance", principal_distance)?;
-                finite("principal_point", principal_point)?;
-                in_range("skew", *skew, "a finite number", |_| true)
+                distances(principal_distance)?;
+                pixels("principal_point", principal_point)?;
+                skewed(*skew)
             }
             Self::Brown { principal_distance, principal_point, skew, k, p } => {
-                positive("principal_distance", principal_distance)?;
-                finite("principal_point", principal_point)?;
-                in_range("skew", *skew, "a finite number", |_| true)?;
+                distances(principal_distance)?;
+                pixels("principal_point", principal_point)?;
+                skewed(*skew)?;
                 finite("k", k)?;
                 finite("p", p)
             }
             Self::Orthographic { pixels_per_unit, principal_point } => {
-                positive("pixels_per_unit", pixels_per_unit)?;
-                finite("principal_point", principal_point)
+                let [least, most] = PIXELS_PER_UNIT;
+                let expected = "a number from 1e-100 to 1e100";
+                all_in_range("pixels_per_unit", pixels_per_unit, expected, |v| {
+                    (least..=most).contains(&v)
+                })?;
+                pixels("principal_point", principal_point)
             }
         }
     }

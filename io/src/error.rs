@@ -4,9 +4,12 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use collinear::error::Brief;
+
 /// Why a file could not be read or written.
 ///
-/// Its text starts with the file, where there is one, and goes on with the field, line or column.
+/// Its text starts with the file, where there is one, and goes on with the field, line or column. A file that another one
+/// names comes after that one and the field: `town.json: photographs[0].camera: south.json: cannot be read: …`.
 #[derive(Debug)]
 pub struct Error(Box<Inner>);
 
@@ -14,16 +17,36 @@ pub struct Error(Box<Inner>);
 struct Inner {
     path: Option<PathBuf>,
     kind: ErrorKind,
+    reference: Option<Reference>,
+}
+
+/// The field that names a file, and the file that has it.
+#[derive(Debug)]
+struct Reference {
+    path: Option<PathBuf>,
+    field: String,
 }
 
 impl Error {
     pub(crate) fn new(kind: impl Into<ErrorKind>) -> Self {
-        Self(Box::new(Inner { path: None, kind: kind.into() }))
+        Self(Box::new(Inner { path: None, kind: kind.into(), reference: None }))
     }
 
-    /// Adds the file, unless an inner file is already named.
-    pub(crate) fn in_file(mut self, path: &Path) -> Self {
-        self.0.path.get_or_insert_with(|| path.to_owned());
+    /// Adds the file, unless it is known. Where an inner file and the [field](Self::field) that names it are, as the one that
+    /// has the field.
+    #[must_use]
+    pub fn in_file(mut self, path: &Path) -> Self {
+        let known = match &mut self.0.reference {
+            Some(reference) => &mut reference.path,
+            None => &mut self.0.path,
+        };
+        known.get_or_insert_with(|| path.to_owned());
+        self
+    }
+
+    /// Adds the field, of a file that [`in_file`](Self::in_file) may add, which names the error's file.
+    pub(crate) fn named_by(mut self, field: impl Into<String>) -> Self {
+        self.0.reference.get_or_insert_with(|| Reference { path: None, field: field.into() });
         self
     }
 
@@ -31,6 +54,12 @@ impl Error {
     #[must_use]
     pub fn path(&self) -> Option<&Path> {
         self.0.path.as_deref()
+    }
+
+    /// The field that names the file, where another file does, as `photographs[0].camera`.
+    #[must_use]
+    pub fn field(&self) -> Option<&str> {
+        self.0.reference.as_ref().map(|r| r.field.as_str())
     }
 
     /// What is wrong.
@@ -42,6 +71,12 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(Reference { path, field }) = &self.0.reference {
+            if let Some(path) = path {
+                write!(f, "{}: ", path.display())?;
+            }
+            write!(f, "{field}: ")?;
+        }
         match &self.0.path {
             Some(path) => write!(f, "{}: {}", path.display(), self.0.kind),
             None => self.0.kind.fmt(f),
@@ -71,9 +106,23 @@ pub enum ErrorKind {
     /// The operating system could not write it, or the encoder gave up. What stood there before still stands there.
     #[error("cannot be written: {0}")]
     Write(#[source] io::Error),
-    /// The output exists and is a directory, a device or a pipe.
+    /// The output's folder is not there and cannot be made.
+    #[error("its folder {} cannot be made: {source}", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// The operating system's reason.
+        source: io::Error,
+    },
+    /// The output is a directory, or is written as one.
+    #[error("is a folder: name a file in it")]
+    IsAFolder,
+    /// The output exists and is a device or a pipe.
     #[error("is not a regular file: it cannot be replaced by one, name another output")]
     NotAFile,
+    /// The output is a symbolic link that leads to no file.
+    #[error("is a link that leads to no file: remove it, or name another output ({0})")]
+    BrokenLink(#[source] io::Error),
     /// The output exists and is write-protected.
     #[error("is write-protected: change its permissions or name another output")]
     ReadOnly,
@@ -136,6 +185,9 @@ pub enum ErrorKind {
     /// A field has the right shape and a wrong value.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// A table without a line: neither a header nor a point.
+    #[error("is empty: neither a header nor a point is in it")]
+    NoLines,
     /// A line of a table is wrong.
     #[error("line {line}{}: {problem}", column_suffix(*column))]
     Line {
@@ -216,7 +268,7 @@ impl FieldError {
 #[non_exhaustive]
 pub enum FieldProblem {
     /// A number outside its domain.
-    #[error("is {value}, expected {expected}")]
+    #[error("is {}, expected {expected}", Brief(*value))]
     OutOfRange {
         /// The number.
         value: f64,
@@ -224,7 +276,7 @@ pub enum FieldProblem {
         expected: &'static str,
     },
     /// A vector that must have a direction, or a length of one, has not.
-    #[error("has length {norm}, expected {expected}")]
+    #[error("has length {}, expected {expected}", Brief(*norm))]
     Length {
         /// Its length.
         norm: f64,
@@ -233,7 +285,8 @@ pub enum FieldProblem {
     },
     /// A matrix that is no rotation.
     #[error(
-        "is no rotation: rows of unit length at right angles are needed, R Rᵀ is off by {deviation}"
+        "is no rotation: rows of unit length at right angles are needed, R Rᵀ is off by {}",
+        Brief(*deviation)
     )]
     NotARotation {
         /// The largest entry of R Rᵀ − 1.
@@ -243,7 +296,10 @@ pub enum FieldProblem {
     #[error("mirrors: its determinant is −1, exchange an axis or its sign")]
     Mirrors,
     /// A matrix that has no inverse.
-    #[error("has no inverse: its determinant is {determinant} after scaling to entries of one")]
+    #[error(
+        "has no inverse: its determinant is {} after scaling to entries of one",
+        Brief(*determinant)
+    )]
     Singular {
         /// The determinant after division by the largest entry.
         determinant: f64,
@@ -430,7 +486,7 @@ pub enum GridProblem {
         bytes: usize,
     },
     /// A header field that no geoid grid has.
-    #[error("{what} is {value}, expected {expected}: this is no GTX file")]
+    #[error("{what} is {}, expected {expected}: this is no GTX file", Brief(*value))]
     Header {
         /// Which field.
         what: &'static str,

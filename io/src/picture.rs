@@ -14,7 +14,7 @@ use std::path::Path;
 
 use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
 use image::codecs::png::{PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError};
+use image::{ExtendedColorType, ImageDecoder, ImageEncoder, ImageError};
 
 pub use header::PictureFormat;
 
@@ -114,7 +114,7 @@ pub fn decode_picture(bytes: &[u8], limits: Limits) -> Result<Picture, Error> {
         return Err(PictureProblem::TooLarge { width, height, limit }.into());
     }
     let problem = |e: ImageError| damaged(bytes, &e);
-    let (image, orientation) = match header.format {
+    let picture = match header.format {
         PictureFormat::Png => {
             decode(PngDecoder::new(Cursor::new(bytes)).map_err(problem)?).map_err(problem)?
         }
@@ -122,22 +122,42 @@ pub fn decode_picture(bytes: &[u8], limits: Limits) -> Result<Picture, Error> {
             decode(JpegDecoder::new(Cursor::new(bytes)).map_err(problem)?).map_err(problem)?
         }
     };
-    let (channels, width, height) = (image.color().channel_count(), image.width(), image.height());
-    let data = match channels {
-        1 => image.into_luma8().into_raw(),
-        2 => image.into_luma_alpha8().into_raw(),
-        3 => image.into_rgb8().into_raw(),
-        _ => image.into_rgba8().into_raw(),
-    };
-    let picture = Picture { width, height, channels: channels.min(4), data, orientation };
     picture.check()?;
     Ok(picture)
 }
 
-fn decode(mut decoder: impl ImageDecoder) -> Result<(DynamicImage, u8), ImageError> {
+/// Decodes into one allocation, which a conversion to 8 bits makes shorter.
+fn decode(mut decoder: impl ImageDecoder) -> Result<Picture, ImageError> {
     // A broken EXIF block is no reason to refuse the pixels.
     let orientation = decoder.orientation().map_or(1, image::metadata::Orientation::to_exif);
-    Ok((DynamicImage::from_decoder(decoder)?, orientation))
+    let (width, height) = decoder.dimensions();
+    let (channels, bytes) =
+        (decoder.color_type().channel_count(), decoder.color_type().bytes_per_pixel());
+    let length = usize::try_from(decoder.total_bytes()).map_err(|_| {
+        let kind = image::error::LimitErrorKind::InsufficientMemory;
+        ImageError::Limits(image::error::LimitError::from_kind(kind))
+    })?;
+    // Zeros from the system cost no memory until they are written: a header alone takes none.
+    let mut data = vec![0; length];
+    decoder.read_image(&mut data)?;
+    if bytes == 2 * channels {
+        round_to_8_bits(&mut data);
+    }
+    Ok(Picture { width, height, channels, data, orientation })
+}
+
+/// Samples of 16 bits, in the machine's order, as 8: 255 s / 65,535 = s / 257, rounded. In place.
+fn round_to_8_bits(data: &mut Vec<u8>) {
+    let count = data.len() / 2;
+    for i in 0..count {
+        if let Some(&[a, b]) = data.get(2 * i..).and_then(<[u8]>::first_chunk)
+            && let Some(sample) = data.get_mut(i)
+        {
+            *sample = ((u32::from(u16::from_ne_bytes([a, b])) + 128) / 257) as u8;
+        }
+    }
+    data.truncate(count);
+    data.shrink_to_fit();
 }
 
 fn damaged(bytes: &[u8], error: &ImageError) -> PictureProblem {

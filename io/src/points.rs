@@ -4,7 +4,8 @@
 //! top-left corner) and `note` may be; others are passed over. A header with `x`, `y`, `z` and no capitals means the
 //! world. Without a header a line has three numbers X, Y, Z, or a name before them. Fields are parted by commas,
 //! semicolons, tabs or spaces, whichever the first line has, in that order of preference: tab, semicolon, comma, space.
-//! Empty lines and lines that start with `#` are passed over.
+//! Empty lines and lines that start with `#` are passed over. A header alone is a list without points; a text without any
+//! line is an error, since it is more often a file that was never filled.
 
 use std::path::Path;
 
@@ -28,7 +29,7 @@ pub struct PointRow {
 /// Reads a list of points.
 ///
 /// # Errors
-/// [`ErrorKind::Line`] with the line and the field in it.
+/// [`ErrorKind::Line`] with the line and the field in it, [`ErrorKind::NoLines`] where there is neither a header nor a point.
 pub fn read_points(path: &Path) -> Result<Vec<PointRow>, Error> {
     read_text(path).and_then(|text| parse_points(&text)).map_err(|e| e.in_file(path))
 }
@@ -102,7 +103,7 @@ fn table<C, R>(
         .map(|(i, line)| (i + 1, line))
         .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
         .peekable();
-    let Some((number, first)) = lines.peek().copied() else { return Ok(Vec::new()) };
+    let (number, first) = lines.peek().copied().ok_or(ErrorKind::NoLines)?;
     let separator = Separator::of(first);
     let fields = separator.split(number, first)?;
     let columns = match without_header(&fields) {

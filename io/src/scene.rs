@@ -18,7 +18,7 @@ use crate::error::{Error, FieldError, FieldProblem};
 use crate::json::{Document, object};
 
 /// The near distance, where the file gives none, as a part of the distance to the farthest vertex.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 1e-6;
 
 /// A scene as its file states it. Fields, units and defaults: `docs/formats.md`, "scene".
 #[derive(Clone, Debug, PartialEq, Serialize, DeriveDeserialize)]
@@ -182,7 +182,8 @@ impl SceneFile {
     /// Reads a scene and every camera file it names; its pictures' paths then start from the working folder.
     ///
     /// # Errors
-    /// As [`Document::read`], for the scene or for the first bad camera file, which the error names.
+    /// As [`Document::read`], for the scene or for the first bad camera file, which the error names with the field that
+    /// names it.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::read(path)?.resolved(folder).map_err(|e| e.in_file(path))
@@ -191,22 +192,57 @@ impl SceneFile {
     /// The same scene with every path joined to the scene file's folder, and every camera file read.
     ///
     /// # Errors
-    /// That of the first camera file that cannot be read; its path is in the error.
+    /// That of the first camera file that cannot be read; its path and the field that names it are in the error.
     pub fn resolved(&self, folder: &Path) -> Result<Self, Error> {
         let mut scene = self.clone();
-        for photograph in &mut scene.photographs {
+        for (i, photograph) in scene.photographs.iter_mut().enumerate() {
             photograph.image = folder.join(&photograph.image);
-            photograph.camera.resolve(folder)?;
+            let field = || format!("photographs[{i}].camera");
+            photograph.camera.resolve(folder).map_err(|e| e.named_by(field()))?;
         }
         for texture in &mut scene.textures {
             texture.image = folder.join(&texture.image);
         }
-        scene.view.resolve(folder)?;
+        scene.view.resolve(folder).map_err(|e| e.named_by("view"))?;
         scene.check()?;
         Ok(scene)
     }
 
-    /// The near distance: the file's, or 10⁻³ of the distance from the view's projection centre to the farthest vertex.
+    /// The files that the scene names, each with its field: pictures and camera files, their paths joined to the scene
+    /// file's folder. Cameras that [`resolved`](Self::resolved) has read are not among them.
+    ///
+    /// ```
+    /// use collinear_io::Document;
+    /// use collinear_io::scene::SceneFile;
+    /// use std::path::Path;
+    ///
+    /// let scene = SceneFile::parse(r#"{ "collinear": "scene", "version": 1, "view": "view.json", "polygons": [],
+    ///     "textures": [{ "name": "brick", "image": "brick.png" }] }"#)?;
+    /// let files = scene.files(Path::new("town"));
+    /// let [(brick, _), (view, path)] = &files[..] else { panic!("{files:?}") };
+    /// assert_eq!((brick.as_str(), view.as_str()), ("textures[0].image", "view"));
+    /// assert_eq!(path, Path::new("town/view.json"));
+    /// # Ok::<(), collinear_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn files(&self, folder: &Path) -> Vec<(String, PathBuf)> {
+        let mut files = Vec::new();
+        for (i, photograph) in self.photographs.iter().enumerate() {
+            files.push((format!("photographs[{i}].image"), folder.join(&photograph.image)));
+            if let CameraSource::File(path) = &photograph.camera {
+                files.push((format!("photographs[{i}].camera"), folder.join(path)));
+            }
+        }
+        for (i, texture) in self.textures.iter().enumerate() {
+            files.push((format!("textures[{i}].image"), folder.join(&texture.image)));
+        }
+        if let CameraSource::File(path) = &self.view {
+            files.push(("view".into(), folder.join(path)));
+        }
+        files
+    }
+
+    /// The near distance: the file's, or 10⁻⁶ of the distance from the view's projection centre to the farthest vertex.
     ///
     /// # Errors
     /// That of the view's camera file, where it stands in one. A resolved scene has no such error.
@@ -219,7 +255,9 @@ impl SceneFile {
         let farthest =
             self.polygons.iter().flat_map(|p| &p.vertices).map(distance).fold(0.0, f64::max);
         // All vertices in the eye: nothing will be drawn, and any positive distance says so.
-        Ok(if farthest > 0.0 { NEAR * farthest.min(f64::MAX) } else { NEAR })
+        let near = if farthest > 0.0 { NEAR * farthest.min(f64::MAX) } else { NEAR };
+        // A subnormal distance has no millionth.
+        Ok(near.max(f64::MIN_POSITIVE))
     }
 }
 

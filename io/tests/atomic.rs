@@ -61,19 +61,35 @@ fn what_is_no_file_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let untouched = |_: &mut dyn Write| -> io::Result<()> { panic!("must not be called") };
     let error = write_atomically(folder.path(), untouched).unwrap_err();
-    assert!(matches!(error.kind(), ErrorKind::NotAFile), "{error}");
-    let missing = write_atomically(&folder.path().join("none/out.svg"), untouched).unwrap_err();
-    assert!(
-        matches!(missing.kind(), ErrorKind::Write(e) if e.kind() == io::ErrorKind::NotFound),
-        "{missing}"
-    );
+    assert!(matches!(error.kind(), ErrorKind::IsAFolder), "{error}");
+    assert!(error.to_string().ends_with(": is a folder: name a file in it"), "{error}");
     assert!(write_atomically(Path::new(""), untouched).is_err());
+    let written_as_one = write_atomically(&folder.path().join("new/"), untouched).unwrap_err();
+    assert!(matches!(written_as_one.kind(), ErrorKind::IsAFolder), "{written_as_one}");
     assert!(write_atomically(Path::new(".."), untouched).is_err());
     if cfg!(unix) {
         let device = write_atomically(Path::new("/dev/null"), untouched).unwrap_err();
         assert!(matches!(device.kind(), ErrorKind::NotAFile), "{device}");
     }
     assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a/b/../c/out.svg");
+    write_atomically(&path, |w| w.write_all(b"new")).unwrap();
+    assert_eq!(fs::read_to_string(folder.path().join("a/c/out.svg")).unwrap(), "new");
+    // A file is no folder, and says so before any work is done.
+    let file = folder.path().join("a/c/out.svg");
+    for below in ["out.svg", "d/out.svg"] {
+        let error = write_atomically(&file.join(below), |_| panic!("called")).unwrap_err();
+        let ErrorKind::Folder { folder: made, .. } = error.kind() else { panic!("{error}") };
+        assert!(made.starts_with(&file), "{error}");
+        assert!(error.to_string().contains(": its folder "), "{error}");
+        assert!(error.to_string().contains(" cannot be made: "), "{error}");
+    }
+    assert_eq!(fs::read_to_string(&file).unwrap(), "new");
 }
 
 #[test]
@@ -106,6 +122,7 @@ fn links_are_followed_and_permissions_are_kept() {
 
     let dangling = folder.path().join("dangling.txt");
     symlink("nowhere.txt", &dangling).unwrap();
-    assert!(write_atomically(&dangling, |w| w.write_all(b"new")).is_err());
+    let error = write_atomically(&dangling, |w| w.write_all(b"new")).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::BrokenLink(_)), "{error}");
     assert_eq!(names(folder.path()), ["dangling.txt", "link.txt", "real.txt"]);
 }

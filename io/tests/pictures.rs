@@ -41,6 +41,30 @@ fn a_png_survives_with_any_number_of_channels() {
 }
 
 #[test]
+fn samples_of_16_bits_are_rounded() {
+    use image::codecs::png::PngEncoder;
+    use image::{ExtendedColorType, ImageEncoder};
+
+    // Every value once; 255/65,535 of it, rounded.
+    let samples: Vec<u16> = (0..=u16::MAX).collect();
+    let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_ne_bytes()).collect();
+    for (channels, color) in
+        [(1, ExtendedColorType::L16), (2, ExtendedColorType::La16), (4, ExtendedColorType::Rgba16)]
+    {
+        let mut png = Vec::new();
+        let width = 256 / u32::from(channels);
+        PngEncoder::new(&mut png).write_image(&bytes, width, 256, color).unwrap();
+        let read = decode_picture(&png, Limits::default()).unwrap();
+        assert_eq!((read.width, read.height, read.channels), (width, 256, channels));
+        for (sample, byte) in samples.iter().zip(&read.data) {
+            let expected = (f64::from(*sample) * 255.0 / 65_535.0).round();
+            assert_eq!(f64::from(*byte), expected, "{sample}");
+        }
+        assert!(read.data.capacity() <= read.data.len(), "the rest is given back");
+    }
+}
+
+#[test]
 fn a_jpeg_survives_nearly() {
     for channels in [1, 3] {
         let mut smooth = ramp(32, 16, channels);

@@ -1,5 +1,6 @@
 //! Lists of points.
 
+use collinear_io::ErrorKind;
 use collinear_io::points::{
     ImagePointRow, PointRow, format_points, parse_image_points, parse_points, read_points,
     write_points,
@@ -32,8 +33,19 @@ fn every_usual_layout_is_read() {
     ] {
         assert_eq!(world(text), expected, "{text}");
     }
-    assert_eq!(world(""), Vec::<[f64; 3]>::new());
-    assert_eq!(world("# nothing\n"), Vec::<[f64; 3]>::new());
+    assert_eq!(world("id,X,Y,Z\n"), Vec::<[f64; 3]>::new());
+}
+
+#[test]
+fn a_header_alone_is_a_list_and_nothing_is_not() {
+    assert_eq!(parse_points("X,Y,Z\n\n# none yet\n").unwrap(), []);
+    assert_eq!(parse_image_points("id,x,y").unwrap(), []);
+    for text in ["", "\n", "# nothing\n", "\u{20} \n#\n"] {
+        for error in [parse_points(text).unwrap_err(), parse_image_points(text).unwrap_err()] {
+            assert!(matches!(error.kind(), ErrorKind::NoLines), "{error}");
+            assert_eq!(error.to_string(), "is empty: neither a header nor a point is in it");
+        }
+    }
 }
 
 #[test]
@@ -137,7 +149,7 @@ fn image_points_are_read_with_and_without_a_header() {
         ("a 1 2\nb 3 4", vec![row(Some("a"), [1.0, 2.0]), row(Some("b"), [3.0, 4.0])]),
         ("id;y;x;code\na;1;2;7\n", vec![row(Some("a"), [2.0, 1.0])]),
         ("X,Y,Z,x,y\n9,9,9,1,2\n9,9,9,,\n", vec![row(None, [1.0, 2.0])]),
-        ("", vec![]),
+        ("x,y\n", vec![]),
     ] {
         assert_eq!(parse_image_points(text).unwrap(), expected, "{text}");
     }

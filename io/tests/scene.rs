@@ -42,7 +42,7 @@ fn a_scene_has_the_documented_defaults() {
     );
     assert_eq!(scene.textures[0].border, Border::Repeat);
     // The farthest vertex is (30, 0, 40), 50 away.
-    assert!((scene.near_distance("".as_ref()).unwrap() - 0.05).abs() < 1e-15);
+    assert!((scene.near_distance("".as_ref()).unwrap() - 5e-5).abs() < 1e-18);
     let Fill::Texture { coordinates, .. } = &scene.polygons[1].fill else { panic!("a texture") };
     assert_eq!(coordinates[1], TexturePoint { u: 8.0, v: 0.0, w: 1.0 });
     assert_eq!(coordinates[2], TexturePoint { u: 8.0, v: 8.0, w: 2.0 });
@@ -226,6 +226,24 @@ fn camera_files_are_found_from_the_scene_and_named_in_its_errors() {
     assert_eq!(scene.photographs[0].camera, CameraSource::File("cameras/n.json".into()));
     let missing = SceneFile::open(&path).unwrap_err();
     assert_eq!(missing.path(), Some(folder.path().join("cameras/n.json").as_path()));
+    assert_eq!(missing.field(), Some("photographs[0].camera"));
+    let start = format!("{}: photographs[0].camera: ", path.display());
+    assert!(missing.to_string().starts_with(&start), "{missing}");
+    let n = folder.path().join("cameras/n.json");
+    assert!(
+        missing.to_string()[start.len()..]
+            .starts_with(&format!("{}: cannot be read: ", n.display())),
+        "{missing}"
+    );
+    assert_eq!(
+        scene.files("town".as_ref()),
+        [
+            ("photographs[0].image".to_owned(), "town/n.jpg".into()),
+            ("photographs[0].camera".to_owned(), "town/cameras/n.json".into()),
+            ("photographs[1].image".to_owned(), "town/pictures/s.jpg".into()),
+            ("textures[0].image".to_owned(), "town/brick.png".into()),
+        ]
+    );
 
     std::fs::create_dir(folder.path().join("cameras")).unwrap();
     let file = CAMERA.replacen('{', "{ \"collinear\": \"camera\", \"version\": 1, ", 1);

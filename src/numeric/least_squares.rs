@@ -84,7 +84,8 @@ pub struct Convergence {
     pub initial_cost: f64,
     /// Cost at the end.
     pub final_cost: f64,
-    /// The largest scaled gradient entry at the end, in units of a residual.
+    /// The largest scaled gradient entry of the last linearisation, in units of a residual; a stop by the length of a step or
+    /// by the iterations comes one step later.
     pub gradient: f64,
 }
 

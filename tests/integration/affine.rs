@@ -3,7 +3,7 @@
 use collinear::Error;
 use collinear::geometry::Affine2;
 use collinear::mapping::Map;
-use collinear::nalgebra::{Matrix3, Point2};
+use collinear::nalgebra::{Matrix2, Matrix3, Point2};
 use proptest::prelude::*;
 
 fn points<const N: usize>(c: [[f64; 2]; N]) -> [Point2<f64>; N] {
@@ -63,6 +63,34 @@ fn map_coordinates_cost_no_digits() {
     }
     assert!(fit.residuals.iter().all(|v| v.norm() < 1e-11), "{:?}", fit.residuals);
     assert!(fit.sigma0.unwrap() < 1e-11);
+}
+
+#[test]
+fn thin_maps_and_thin_figures_still_have_their_answers() {
+    // Columns (1, 1) and (1, 1 + 2⁻³⁰): the determinant is 2⁻³⁰, and the inverse (2³⁰ + 1, −2³⁰; −2³⁰, 2³⁰).
+    let (small, large) = (f64::from(1 << 30).recip(), f64::from(1 << 30));
+    let thin = Affine2::from_coefficients([0.0, 1.0, 1.0], [0.0, 1.0, 1.0 + small]);
+    let inverse = thin.inverse().unwrap();
+    let expected = Matrix2::new(large + 1.0, -large, -large, large);
+    assert!((inverse.linear - expected).norm() < 1e-6 * large, "{}", inverse.linear);
+    // Control points 2⁻³⁰ off a line, u = 3 X, v = 2³⁰ Y.
+    let object = points([[0.0, 0.0], [1.0, 0.0], [2.0, small], [3.0, 0.0]]);
+    let image = points([[0.0, 0.0], [3.0, 0.0], [6.0, 1.0], [9.0, 0.0]]);
+    let fit = Affine2::fit(&object, &image).unwrap();
+    let expected = Matrix2::new(3.0, 0.0, 0.0, large);
+    assert!((fit.map.linear - expected).norm() < 1e-6 * large, "{}", fit.map.linear);
+    // Figures of any size: u = 2 X + Y, v = X − Y.
+    for size in [1e-100, 1e-20, 1e20, 1e100] {
+        let object = points([[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]]);
+        let image = points([[0.0, 0.0], [2.0 * size, size], [3.0 * size, 0.0], [size, -size]]);
+        let fit = Affine2::fit(&object, &image).unwrap();
+        assert!((fit.map.linear - Matrix2::new(2.0, 1.0, 1.0, -1.0)).norm() < 1e-14, "{size}");
+        let line = points([[0.0, 0.0], [size, size], [3.0 * size, 3.0 * size], [-size, -size]]);
+        assert!(matches!(Affine2::fit(&line, &image), Err(Error::Degenerate { .. })), "{size}");
+    }
+    // One in 10¹⁵ is rounding, and no figure.
+    let line = points([[0.0, 0.0], [1.0, 0.0], [2.0, 1e-15], [3.0, 0.0]]);
+    assert!(matches!(Affine2::fit(&line, &image), Err(Error::Degenerate { .. })));
 }
 
 #[test]

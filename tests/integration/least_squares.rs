@@ -121,6 +121,22 @@ fn a_curved_valley_is_followed_to_its_end() {
 }
 
 #[test]
+fn a_valley_is_followed_though_most_of_the_cost_is_out_of_reach() {
+    // Rosenbrock's valley and a residual of 100 that nothing changes: 12.1 of a cost of 5012.1 can be won.
+    let valley = |s: &Vector2<f64>| {
+        vec![
+            (10.0 * (s[1] - s[0] * s[0]), Vector2::new(-20.0 * s[0], 10.0)),
+            (1.0 - s[0], Vector2::new(-1.0, 0.0)),
+            (100.0, Vector2::zeros()),
+        ]
+    };
+    let (s, report, _) = run(valley, [-1.2, 1.0], &LeastSquaresOptions::default());
+    assert!(report.converged && (s - Vector2::new(1.0, 1.0)).norm() < 1e-5, "{s} {report:?}");
+    assert!((report.initial_cost - 5012.1).abs() < 1e-9);
+    assert!((report.final_cost - 5000.0).abs() < 1e-8);
+}
+
+#[test]
 fn a_start_without_a_cost_stays_where_it_is() {
     let nowhere = |_: &Vector2<f64>| vec![(f64::NAN, Vector2::new(1.0, 0.0))];
     let (s, report, _) = run(nowhere, [3.0, 4.0], &LeastSquaresOptions::default());
@@ -129,6 +145,119 @@ fn a_start_without_a_cost_stays_where_it_is() {
     let uphill = |s: &Vector2<f64>| vec![(s[0] + 5.0, Vector2::new(-1.0, 0.0))];
     let (s, report, _) = run(uphill, [3.0, 4.0], &LeastSquaresOptions::default());
     assert!(s == Vector2::new(3.0, 4.0) && report.final_cost == 32.0, "{s} {report:?}");
+}
+
+#[test]
+fn a_gradient_is_small_by_its_cosine_with_the_residuals() {
+    // Residuals x and 4, and one that is always zero for the other unknown: at x = 3 the column (1, 0) and the residuals
+    // (3, 4) meet at the cosine 3/5.
+    let plain = |s: &Vector2<f64>| {
+        vec![
+            (s[0], Vector2::new(1.0, 0.0)),
+            (4.0, Vector2::zeros()),
+            (s[1], Vector2::new(0.0, 1.0)),
+        ]
+    };
+    for (tolerance, stays) in [(0.6, true), (0.61, true), (0.59, false), (0.43, false)] {
+        let options = LeastSquaresOptions {
+            gradient_tolerance: tolerance,
+            max_iterations: 1,
+            ..LeastSquaresOptions::default()
+        };
+        let (s, report, _) = run(plain, [3.0, 0.0], &options);
+        assert_eq!((report.converged, s == Vector2::new(3.0, 0.0)), (stays, stays), "{tolerance}");
+        assert_eq!((report.iterations, report.gradient), (1, 3.0));
+        assert_eq!(report.initial_cost, 12.5);
+    }
+}
+
+/// (x − 5)² whose linear system cannot be solved below a damping of 1; it counts how often it is asked.
+struct Reluctant(std::cell::Cell<u32>);
+
+impl Problem for Reluctant {
+    type State = f64;
+    type Linear = f64;
+    type Step = f64;
+
+    fn cost(&self, x: &f64) -> f64 {
+        0.5 * (x - 5.0) * (x - 5.0)
+    }
+
+    fn linearise(&self, x: &f64, gradient: &mut f64) -> f64 {
+        *gradient = x - 5.0;
+        gradient.abs()
+    }
+
+    fn solve(&self, x: &f64, gradient: &f64, damping: f64) -> Option<Damped<f64>> {
+        self.0.set(self.0.get() + 1);
+        assert!(self.0.get() < 2000, "asked without end");
+        let step = -gradient / (1.0 + damping);
+        (damping >= 1.0).then_some(Damped {
+            step,
+            predicted_decrease: 0.5 * step * (damping * step - gradient),
+            relative_length: (step / x).abs(),
+        })
+    }
+
+    fn apply(&self, x: &f64, step: &f64) -> f64 {
+        x + step
+    }
+}
+
+#[test]
+fn damping_grows_until_a_system_can_be_solved() {
+    let problem = Reluctant(std::cell::Cell::new(0));
+    let options = LeastSquaresOptions { max_iterations: 1, ..LeastSquaresOptions::default() };
+    let (x, report) = minimise(&problem, 1.0, &mut 0.0, &options);
+    // 10⁻⁴ times 2, 4, 8, 16, 32: the sixth is 3.2768, and the step 4 / 4.2768.
+    assert_eq!((problem.0.get(), report.iterations), (6, 1));
+    assert!((x - (1.0 + 4.0 / 4.2768)).abs() < 1e-14, "{x}");
+    // ½ x² with steps ten times too long: they lead uphill until 10 / (1 + λ) < 2. The seventh damping is 10⁻⁴ · 2²¹.
+    struct Overshooting(std::cell::Cell<u32>);
+    impl Problem for Overshooting {
+        type State = f64;
+        type Linear = ();
+        type Step = f64;
+        fn cost(&self, x: &f64) -> f64 {
+            0.5 * x * x
+        }
+        fn linearise(&self, x: &f64, (): &mut ()) -> f64 {
+            x.abs()
+        }
+        fn solve(&self, x: &f64, (): &(), damping: f64) -> Option<Damped<f64>> {
+            self.0.set(self.0.get() + 1);
+            let step = -10.0 * x / (1.0 + damping);
+            Some(Damped { step, predicted_decrease: 1.0, relative_length: 1.0 })
+        }
+        fn apply(&self, x: &f64, step: &f64) -> f64 {
+            x + step
+        }
+    }
+    let problem = Overshooting(std::cell::Cell::new(0));
+    let (x, _) = minimise(&problem, 1.0, &mut (), &options);
+    assert_eq!(problem.0.get(), 7);
+    assert!((x - (1.0 - 10.0 / 210.7152)).abs() < 1e-14, "{x}");
+    // A system that is never solved ends the search where it is.
+    struct Never;
+    impl Problem for Never {
+        type State = f64;
+        type Linear = ();
+        type Step = f64;
+        fn cost(&self, x: &f64) -> f64 {
+            x * x
+        }
+        fn linearise(&self, x: &f64, (): &mut ()) -> f64 {
+            x.abs()
+        }
+        fn solve(&self, _: &f64, (): &(), _: f64) -> Option<Damped<f64>> {
+            None
+        }
+        fn apply(&self, x: &f64, step: &f64) -> f64 {
+            x + step
+        }
+    }
+    let (x, report) = minimise(&Never, 2.0, &mut (), &LeastSquaresOptions::default());
+    assert_eq!((x, report.converged, report.iterations, report.final_cost), (2.0, false, 1, 4.0));
 }
 
 #[test]

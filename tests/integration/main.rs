@@ -12,7 +12,9 @@
 
 mod affine;
 mod camera;
+mod camera_edges;
 mod central_models;
+mod consensus;
 mod contracts;
 mod extremes;
 mod geodetic;
@@ -22,14 +24,17 @@ mod least_squares;
 mod orthophoto;
 mod plane;
 mod plane_map;
+mod plane_map_edges;
 mod polynomial;
 mod pose;
 mod projection;
 mod resample;
 mod rotation;
+mod rows;
 mod sources;
 mod span;
 mod support;
 mod texture_matrices;
 mod texturer;
+mod texturer_edges;
 mod town;

@@ -90,6 +90,7 @@ fn a_fitted_plane_is_numpys() {
     reversed.reverse();
     let back = Plane::fit(&reversed).unwrap();
     assert!((back.plane.normal().into_inner() + normal).norm() < 1e-15);
+    assert!((back.largest_residual - fit.largest_residual).abs() < 1e-15);
     // The same points in map coordinates.
     let shift = Vector3::new(500_000.0, 5_400_000.0, 0.0);
     let moved = Plane::fit(&points.map(|q| q + shift)).unwrap();
@@ -112,6 +113,19 @@ fn points_that_do_not_go_around_give_the_normal_whose_largest_component_is_posit
         let across = order.map(|q| p(q.z, q.x, q.y));
         let normal = Plane::fit(&across).unwrap().plane.normal();
         assert!((normal.into_inner() - Vector3::x()).norm() < 1e-15, "{normal:?}");
+    }
+    // In planes with the normals (−1, 0, 2), (0, 2, −1) and (2, −1, 0): each its own largest component.
+    let oblique = [
+        (Vector3::new(2.0, 0.0, 1.0), Vector3::y(), Vector3::new(-1.0, 0.0, 2.0)),
+        (Vector3::new(0.0, 1.0, 2.0), Vector3::x(), Vector3::new(0.0, 2.0, -1.0)),
+        (Vector3::new(1.0, 2.0, 0.0), Vector3::z(), Vector3::new(2.0, -1.0, 0.0)),
+    ];
+    for (u, v, normal) in oblique {
+        for order in [bow, reversed] {
+            let points = order.map(|q| p(1.0, 2.0, 3.0) + u * q.x + v * q.y);
+            let found = Plane::fit(&points).unwrap().plane.normal();
+            assert!((found.into_inner() - normal.normalize()).norm() < 1e-14, "{found:?}");
+        }
     }
 }
 
@@ -182,6 +196,9 @@ fn rays_meet_a_plane_from_either_side_and_only_forwards() {
     for away in [
         ray(Point3::origin(), Vector3::new(-3.0, 0.0, 0.0)),
         ray(p(10.0, 10.0, 10.0), Vector3::z()),
+        // 1/8 beyond the plane along its normal, and 10⁻¹² before it.
+        ray(p(2.25, 3.375, 6.75), Vector3::new(2.0, 3.0, 6.0)),
+        ray(p(2.0, 3.0, 6.0 - 1e-12), Vector3::new(-2.0, -3.0, -6.0)),
     ] {
         assert_eq!(plane.meet_ray(&away), Err(ProjectionError::MissesSurface));
     }
@@ -243,6 +260,8 @@ fn a_curve_meets_a_surface_at_its_highest_crossing() {
         ([8.0, 9.9], p(-1.0, 2.0, 0.0)),
         ([11.0, 12.0], p(3.0, 2.0, 0.0)),
         ([10.5, 11.0], p(3.0, 2.0, 0.0)),
+        // Searched in 64 steps of half a unit, which tell the three crossings apart.
+        ([7.5, 39.5], p(3.0, 2.0, 0.0)),
     ];
     for surface in [ground, ground.flipped()] {
         for (heights, expected) in crossings {

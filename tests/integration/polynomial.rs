@@ -406,6 +406,119 @@ fn a_point_met_behind_the_eye_is_not_seen() {
 }
 
 #[test]
+fn corners_on_the_focal_plane_are_allowed_and_points_on_it_are_not_seen() {
+    // w falls from 1 over 0 to −1 down the texture; x w and y w are 40 s and 40 t.
+    let corners = [(0.0, 0.0, 1.0), (40.0, 0.0, 1.0), (40.0, 40.0, -1.0), (0.0, 40.0, -1.0)];
+    let map = PerspectiveBilinear::new(&corners.map(|(x, y, w)| Vector3::new(x, y, w)), [1.0, 1.0]);
+    let map = map.unwrap();
+    assert_eq!(
+        map.screen_from_texture(&Point2::new(0.25, 0.5)),
+        Err(ProjectionError::BehindCamera { depth: 0.0 })
+    );
+    let seen = map.screen_from_texture(&Point2::new(0.25, 0.25)).unwrap();
+    assert!((seen - Point2::new(20.0, 20.0)).norm() < 1e-13, "{seen}");
+    // Homogeneous coordinates of any size.
+    for size in [1e-60, 1e60, 1e90] {
+        let corners = corners.map(|(x, y, w)| Vector3::new(x, y, w) * size);
+        let map = PerspectiveBilinear::new(&corners, [1.0, 1.0]).unwrap();
+        assert!((map.screen_from_texture(&Point2::new(0.25, 0.25)).unwrap() - seen).norm() < 1e-13);
+    }
+    let corners = corners.map(|(x, y, w)| Vector3::new(x, y, w) * 1e101);
+    assert!(matches!(
+        PerspectiveBilinear::new(&corners, [1.0, 1.0]),
+        Err(Error::OutOfRange { what: "quad corner or texture size", .. })
+    ));
+    // Two corners with w = 0 itself: w = 1 − t, and (s, ½) shows at (80 s, 40).
+    let corners = [(0.0, 0.0, 1.0), (40.0, 0.0, 1.0), (40.0, 40.0, 0.0), (0.0, 40.0, 0.0)];
+    let map = PerspectiveBilinear::new(&corners.map(|(x, y, w)| Vector3::new(x, y, w)), [1.0, 1.0]);
+    let map = map.unwrap();
+    let seen = map.screen_from_texture(&Point2::new(0.25, 0.5)).unwrap();
+    assert!((seen - Point2::new(20.0, 40.0)).norm() < 1e-13, "{seen}");
+    assert!((map.at(&seen).unwrap() - Point2::new(0.25, 0.5)).norm() < 1e-13);
+    // A patch with no corner in front of the eye, not even on its focal plane.
+    let flat = [(0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0)];
+    for w in [0.0, -1.0] {
+        let corners = flat.map(|(x, y)| Vector3::new(x, y, w));
+        assert!(matches!(
+            PerspectiveBilinear::new(&corners, [1.0, 1.0]),
+            Err(Error::OutOfRange { what: "w of every quad corner", value, .. }) if value == w
+        ));
+    }
+}
+
+#[test]
+fn a_screen_point_beyond_the_largest_float_is_none() {
+    // At t = ¼ w is 10⁻²⁵⁰/2 and one coordinate 10¹⁰⁰/4; the other stays at zero.
+    let w = 1e-250;
+    for axis in [Vector3::x(), Vector3::y()] {
+        let near = Vector3::new(0.0, 0.0, w);
+        let far = axis * 1e100 - near;
+        let map = PerspectiveBilinear::new(&[near, near, far, far], [1.0, 1.0]).unwrap();
+        let beyond = map.screen_from_texture(&Point2::new(0.5, 0.25));
+        assert_eq!(beyond, Err(ProjectionError::NotFinite));
+    }
+}
+
+#[test]
+fn a_pixel_outside_says_how_far_its_nearer_root_is() {
+    // x = s + s t, y = t + s t: at (6, 6) s = t and s² + s = 6, so s = 2 or −3; |2s − 1| is 3 or 7.
+    let corners =
+        [(0.0, 0.0), (1.0, 0.0), (2.0, 2.0), (0.0, 1.0)].map(|(x, y)| Vector3::new(x, y, 1.0));
+    let map = PerspectiveBilinear::new(&corners, [1.0, 1.0]).unwrap();
+    match map.at(&Point2::new(6.0, 6.0)) {
+        Err(ProjectionError::OutsideDomain { value, limit }) => {
+            assert!((value - 3.0).abs() < 1e-13 && limit == 1.0, "{value}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let mut roots: Vec<_> =
+        map.roots(&Point2::new(6.0, 6.0)).unwrap().iter().flatten().map(|r| r.texture.x).collect();
+    roots.sort_by(f64::total_cmp);
+    assert!((roots[0] + 3.0).abs() < 1e-13 && (roots[1] - 2.0).abs() < 1e-13, "{roots:?}");
+}
+
+#[test]
+fn the_only_root_in_front_comes_first() {
+    // x w = s + s t, y w = t + s t, w = 1 + s/2 + t: at (2, 2) s = t and s² − 2 s − 2 = 0, s = 1 ± √3 with
+    // w = (5 ± 3√3)/2, one before the eye and one behind it.
+    let w = |s: f64, t: f64| 1.0 + 0.5 * s + t;
+    let corner = |s: f64, t: f64| Vector3::new(s + s * t, t + s * t, w(s, t));
+    let square = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+    // Mirrored about y = 0 and turned over, the quadratic's roots come in another order.
+    let mirrored = square.map(|c| Vector3::new(c.x, -c.y, c.z));
+    let swapped = [square[0], square[3], square[2], square[1]];
+    let opposite = |h: [Vector3<f64>; 4]| [h[2], h[3], h[0], h[1]];
+    let root = 1.0 + 3f64.sqrt();
+    for (corners, pixel, texture) in [
+        (square, [2.0, 2.0], [root, root]),
+        (mirrored, [2.0, -2.0], [root, root]),
+        (swapped, [2.0, 2.0], [root, root]),
+        (opposite(square), [2.0, 2.0], [1.0 - root, 1.0 - root]),
+        (opposite(mirrored), [2.0, -2.0], [1.0 - root, 1.0 - root]),
+        (opposite(swapped), [2.0, 2.0], [1.0 - root, 1.0 - root]),
+    ] {
+        let map = PerspectiveBilinear::new(&corners, [1.0, 1.0]).unwrap();
+        let [Some(first), None] = map.roots(&Point2::from(pixel)).unwrap() else {
+            panic!("one root in front: {:?}", map.roots(&Point2::from(pixel)));
+        };
+        assert!((first.texture - Point2::from(texture)).norm() < 1e-12, "{first:?}");
+        assert!((first.w - (5.0 + 27f64.sqrt()) / 2.0).abs() < 1e-12, "{first:?}");
+    }
+}
+
+#[test]
+fn a_patch_through_the_eye_is_not_seen_where_it_is_at_the_eye() {
+    // The corners sum to zero: (½, ½) is the eye itself, which every line of sight meets.
+    let corners = [(1.0, 0.0, 1.0), (0.0, 1.0, -1.0), (-1.0, 0.0, 1.0), (0.0, -1.0, -1.0)]
+        .map(|(x, y, w)| Vector3::new(x, y, w));
+    let map = PerspectiveBilinear::new(&corners, [1.0, 1.0]).unwrap();
+    for pixel in [[0.5, 0.25], [0.25, 0.125], [-0.5, 0.25], [0.0, 0.0]] {
+        let roots = map.roots(&Point2::from(pixel)).unwrap();
+        assert!(roots.iter().flatten().all(|r| r.w > 0.0), "{roots:?}");
+    }
+}
+
+#[test]
 fn an_affine_map_is_a_map() {
     let map = Affine2::from_coefficients([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]);
     let map: &dyn Map = &map;

@@ -264,6 +264,24 @@ fn pictures_that_are_none_are_refused() {
 }
 
 #[test]
+fn a_picture_ends_at_its_sides_though_its_samples_go_on() {
+    // 2 × 2 of 3 × 4 samples.
+    let mut data: Vec<u8> = (1..=12).collect();
+    let view = ImageView::<u8, 1>::with_stride(&data, 2, 2, 3).unwrap();
+    assert_eq!((view.pixel(1, 1), view.pixel(2, 1), view.pixel(1, 2)), (Some([5]), None, None));
+    for filter in FILTERS {
+        assert_eq!(sample(view, &at(1.5, 2.5), filter, Border::Clamp), Some([5]));
+        assert_eq!(sample(view, &at(1.5, 2.5), filter, Border::Transparent), None);
+        assert_eq!(sample(view, &at(1.5, 2.5), filter, Border::Constant([77.0; 4])), Some([77]));
+    }
+    let mut view = ImageViewMut::<u8, 1>::with_stride(&mut data, 2, 2, 3).unwrap();
+    assert_eq!((view.row_mut(1).to_vec(), view.row_mut(2).len()), (vec![4, 5], 0));
+    // The longest side itself is one.
+    assert_eq!(ImageView::<u8, 1>::new(&[], 1 << 30, 0).unwrap().width(), 1 << 30);
+    assert_eq!(ImageViewMut::<f32, 4>::new(&mut [], 0, 1 << 30).unwrap().height(), 1 << 30);
+}
+
+#[test]
 fn bytes_round_half_up_and_saturate() {
     for (value, byte) in [
         (0.0, 0),
@@ -335,13 +353,15 @@ fn a_warp_paints_what_its_map_finds() {
     let expected = [10, 20, 7, 7, 40, 50, 7, 7, 40, 50, 7, 7];
     assert_eq!(warped(&partial, Filter::Nearest, Border::Clamp), expected);
     // From a picture without pixels nothing comes, whatever the border; into one nothing goes.
-    let empty = ImageView::<u8, 1>::new(&[], 0, 0).unwrap();
+    let empty = [(0, 0), (5, 0), (0, 5)].map(|(w, h)| ImageView::<u8, 1>::new(&[], w, h).unwrap());
     for border in BORDERS {
         for filter in FILTERS {
-            let mut pixels = [7u8; 6];
-            let mut target = ImageViewMut::<u8, 1>::new(&mut pixels, 3, 2).unwrap();
-            warp(empty, &shift(0.0, 0.0), filter, border, &mut target);
-            assert_eq!(pixels, [7; 6], "{border:?}");
+            for empty in empty {
+                let mut pixels = [7u8; 6];
+                let mut target = ImageViewMut::<u8, 1>::new(&mut pixels, 3, 2).unwrap();
+                warp(empty, &shift(0.0, 0.0), filter, border, &mut target);
+                assert_eq!(pixels, [7; 6], "{border:?}");
+            }
             warp(
                 view,
                 &shift(0.0, 0.0),

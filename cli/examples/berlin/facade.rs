@@ -44,7 +44,7 @@ fn one_plane(site: &Site, name: &str, file: &PlaneFile, out: &Path) -> Result<Ve
     for photograph in &site.photographs {
         let r = Rectification::of_plane(file, &rectangle, &photograph.camera, width, height)?;
         let border = Border::Transparent;
-        let picture = r.apply(&photograph.picture, Filter::Bilinear, border, &|_, _| ())?;
+        let picture = r.apply(&photograph.picture, Filter::Bilinear, border, &|_, _| ())?.picture;
         write_picture(&out.join(format!("facade_{name}_{}.png", photograph.name)), &picture)?;
         pictures.push(picture);
     }

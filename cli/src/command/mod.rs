@@ -1,5 +1,6 @@
 //! The commands: their arguments, their messages, their outputs.
 
+mod files;
 pub(crate) mod overlay;
 pub(crate) mod project;
 pub(crate) mod rectify;
@@ -9,12 +10,16 @@ use std::fmt::{self, Display};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::anyhow;
+use anyhow::{Result, anyhow};
 use clap::ValueEnum;
 use collinear::resample::{Border, Filter};
 use collinear_cli::check_size;
+use collinear_io::Document;
 use collinear_io::picture::PictureFormat;
+use collinear_io::scene::SceneFile;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+pub(crate) use files::Files;
 
 /// A message for people.
 pub(crate) fn say(message: &str) {
@@ -56,6 +61,16 @@ impl std::error::Error for UsageError {}
 /// An error with the file that it is about.
 pub(crate) fn in_file(path: &Path, error: impl Display) -> anyhow::Error {
     anyhow!("{}: {error}", path.display())
+}
+
+/// A scene with its cameras, after the files that it names have been told apart from the outputs.
+pub(crate) fn open_scene(path: &Path, files: &mut Files) -> Result<SceneFile> {
+    let scene = SceneFile::read(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for (field, file) in scene.files(folder) {
+        files.input(format!("{field} of {}", path.display()), &file)?;
+    }
+    Ok(scene.resolved(folder).map_err(|e| e.in_file(path))?)
 }
 
 /// A finite number above 0.

@@ -12,10 +12,9 @@ use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 use collinear_io::picture::{Limits, PictureFormat, decode_picture, write_picture};
 use collinear_io::plane::PlaneFile;
-use collinear_io::scene::SceneFile;
 use collinear_io::write_atomically;
 
-use super::{in_file, positive, say};
+use super::{Files, in_file, open_scene, positive, say};
 
 /// Draw planes, polygons or a mesh as wire frames over a photograph
 #[derive(Debug, Args)]
@@ -67,11 +66,11 @@ pub(crate) struct Arguments {
 }
 
 const LONG: &str = "\
-Draw planes, polygons or a mesh as wire frames over a photograph: the first check that camera, world
+Draw planes, polygons or a mesh as wire frames over a photograph: the first check that camera, world \
 and photograph belong together.
 
-Vertices are world coordinates in the camera's unit. Edges go through the lens, bent to within 0.1
-pixel; they end before the camera and where the lens folds back. Each edge is drawn once, in the
+Vertices are world coordinates in the camera's unit. Edges go through the lens, bent to within 0.1 \
+pixel; they end before the camera and where the lens folds back. Each edge is drawn once, in the \
 colour of the first polygon that has it; nothing hides anything.
 
 An SVG holds the photograph, its units are the photograph's pixels, and names stand in it as text.";
@@ -80,7 +79,8 @@ const AFTER: &str = "\
 Example:
   collinear overlay south.jpg --camera south.json --scene town.json -o check.svg
 
-Exit codes: 0 done, 1 failed (an old OUT is left as it was), 2 wrong usage.";
+Exit codes: 0 done; 1 failed (an old OUT is left as it was); 2 wrong usage, as an output that is an \
+input too.";
 
 /// The line width, as a part of the picture's longer side, and at least so many pixels.
 const LINE_WIDTH: (f64, f64) = (1.0 / 800.0, 1.5);
@@ -99,8 +99,12 @@ fn overlay_path(text: &str) -> Result<PathBuf, String> {
 
 impl Arguments {
     pub(crate) fn run(&self) -> Result<()> {
+        let mut files = Files::default();
+        files.output("the output (-o)", &self.output)?;
+        files.input("the photograph", &self.photo)?;
+        files.input("the camera", &self.camera)?;
         let camera = CameraFile::read(&self.camera)?;
-        let figures = self.figures()?;
+        let figures = self.figures(&mut files)?;
         let bytes = fs::read(&self.photo)
             .map_err(|e| in_file(&self.photo, anyhow!("cannot be read: {e}")))?;
         let photograph =
@@ -121,6 +125,12 @@ impl Arguments {
             write_picture(&self.output, &overlay.draw_on(&photograph, width)?)?;
         }
         let edges: usize = figures.iter().map(|f| f.edges.len()).sum();
+        if overlay.line_count() == 0 {
+            say(&format!(
+                "warning: {}: none of the {edges} edges is in view of the camera",
+                self.output.display()
+            ));
+        }
         say(&format!(
             "{}: {} lines drawn, of {edges} edges in {} figures",
             self.output.display(),
@@ -130,13 +140,20 @@ impl Arguments {
         Ok(())
     }
 
-    fn figures(&self) -> Result<Vec<Figure>> {
+    fn figures(&self, files: &mut Files) -> Result<Vec<Figure>> {
         if let Some(path) = &self.scene {
-            Ok(scene_figures(&SceneFile::open(path)?))
+            files.input("the scene", path)?;
+            let scene = open_scene(path, files)?;
+            if scene.polygons.is_empty() {
+                return Err(in_file(path, "polygons: there are none, nothing to draw"));
+            }
+            Ok(scene_figures(&scene))
         } else if let Some(path) = &self.plane {
+            files.input("the plane", path)?;
             let plane = PlaneFile::read(path)?;
             Ok(vec![plane_figure(&plane, self.grid).map_err(|e| in_file(path, e))?])
         } else if let Some(path) = &self.mesh {
+            files.input("the mesh", path)?;
             mesh_figures(path)
         } else {
             Err(anyhow!("one of --scene, --plane and --mesh is needed"))

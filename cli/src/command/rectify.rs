@@ -6,7 +6,7 @@ use anyhow::{Context, Result, anyhow};
 use clap::{ArgGroup, Args};
 use collinear::nalgebra::Point2;
 use collinear::resample::Border;
-use collinear_cli::rectify::{Rectification, footprint, size_at};
+use collinear_cli::rectify::{Rectification, Rectified, footprint, size_at};
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 use collinear_io::map::MapFile;
@@ -14,7 +14,9 @@ use collinear_io::picture::{Picture, PictureFormat, read_picture, write_picture}
 use collinear_io::plane::{PlaneFile, Rectangle};
 use collinear_io::write_atomically;
 
-use super::{BorderChoice, FilterChoice, Size, in_file, picture_path, positive, progress_bar, say};
+use super::{
+    BorderChoice, Files, FilterChoice, Size, in_file, picture_path, positive, progress_bar, say,
+};
 
 /// Turn a plane of the world, as a façade, face-on
 #[derive(Debug, Args)]
@@ -76,12 +78,12 @@ pub(crate) struct Arguments {
 const LONG: &str = "\
 Turn a plane of the world, as a façade, face-on.
 
-With --camera and --plane no corners are picked: each pixel of the new picture is a point of the
-plane, and that point is looked up in the photograph through its camera and lens. With --quad four
-points of the photograph become the corners of the new picture; a camera given too takes its lens
+With --camera and --plane no corners are picked: each pixel of the new picture is a point of the \
+plane, and that point is looked up in the photograph through its camera and lens. With --quad four \
+points of the photograph become the corners of the new picture; a camera given too takes its lens \
 errors away.
 
-The plane's point and rectangle are in world units, the corners in pixels of the photograph from the
+The plane's point and rectangle are in world units, the corners in pixels of the photograph from the \
 top-left corner of its top-left pixel. docs/formats.md describes the files.";
 
 const AFTER: &str = "\
@@ -89,7 +91,8 @@ Examples:
   collinear rectify south.jpg --camera south.json --plane facade.json --gsd 0.01 -o facade.png
   collinear rectify south.jpg --quad \"120,80 900,40 910,700 100,650\" --size 800x600 -o facade.png
 
-Exit codes: 0 done, 1 failed (an old OUT is left as it was), 2 wrong usage.";
+Exit codes: 0 done; 1 failed (an old OUT is left as it was); 2 wrong usage, as an output that is an \
+input too.";
 
 type Quad = [Point2<f64>; 4];
 
@@ -107,6 +110,17 @@ fn quad(text: &str) -> Result<Quad, String> {
 
 impl Arguments {
     pub(crate) fn run(&self) -> Result<()> {
+        let mut files = Files::default();
+        files.output("the output (-o)", &self.output)?;
+        if let Some(path) = &self.map_out {
+            files.output("the map (--map-out)", path)?;
+        }
+        files.input("the photograph", &self.photo)?;
+        for (role, path) in [("the camera", &self.camera), ("the plane", &self.plane)] {
+            if let Some(path) = path {
+                files.input(role, path)?;
+            }
+        }
         let png = PictureFormat::from_path(&self.output)? == PictureFormat::Png;
         let border = match self.border {
             Some(choice) => choice.border(png)?,
@@ -131,13 +145,14 @@ impl Arguments {
         };
         let photograph = self.photograph(camera.as_ref())?;
         let bar = progress_bar("rectifying");
-        let picture =
+        let rectified =
             rectification.apply(&photograph, self.filter.into(), border, &|done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             });
         bar.finish_and_clear();
-        let picture = picture.map_err(|e| in_file(&self.photo, e))?;
+        drop(photograph);
+        let Rectified { picture, seen } = rectified.map_err(|e| in_file(&self.photo, e))?;
         if rectification.is_mirrored() {
             say(&format!(
                 "warning: {}: left and right are exchanged: {}",
@@ -163,8 +178,11 @@ impl Arguments {
         }
         write_picture(&self.output, &picture)?;
         let place = rectangle.map(|r| format!(" {}", corners(&r))).unwrap_or_default();
+        let all = u64::from(picture.width) * u64::from(picture.height);
+        let part =
+            if seen < all { format!(", {seen} of {all} in the photograph") } else { String::new() };
         say(&format!(
-            "{}: {} × {} pixels{place}",
+            "{}: {} × {} pixels{place}{part}",
             self.output.display(),
             picture.width,
             picture.height
@@ -205,8 +223,12 @@ impl Arguments {
 fn corners(r: &Rectangle) -> String {
     let size = (r.right - r.left).max(r.top - r.bottom);
     let digits = (6.0 - size.log10()).ceil().clamp(0.0, 300.0) as usize;
-    // Adding zero makes −0 into 0.
-    let short = |v: f64| format!("{v:.digits$}").parse().unwrap_or(v) + 0.0;
+    let short = |v: f64| {
+        // Adding zero makes −0 into 0.
+        let rounded = format!("{v:.digits$}").parse().unwrap_or(v) + 0.0;
+        let plain = rounded == 0.0 || (1e-4..1e15).contains(&rounded.abs());
+        if plain { rounded.to_string() } else { format!("{rounded:e}") }
+    };
     let [left, bottom, right, top] = [r.left, r.bottom, r.right, r.top].map(short);
     format!("from {left}, {bottom} to {right}, {top}")
 }

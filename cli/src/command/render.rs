@@ -6,9 +6,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use collinear_cli::render::render_scene;
 use collinear_io::picture::write_picture;
-use collinear_io::scene::SceneFile;
 
-use super::{picture_path, progress_bar, say};
+use super::{Files, open_scene, picture_path, progress_bar, say};
 
 /// Draw the view of a scene: polygons textured by photographs, textures or colours
 #[derive(Debug, Args)]
@@ -30,23 +29,27 @@ pub(crate) struct Arguments {
 const LONG: &str = "\
 Draw the view of a scene: polygons textured by photographs, textures or colours.
 
-Each polygon's pixels are looked up in its photograph through the map that the polygon's plane, the
-photograph's camera (with its lens) and the view share; nothing is resampled twice. What lies
-outside the photograph stays undrawn. The nearest polygon wins. Photographs are not tested for what
+Each polygon's pixels are looked up in its photograph through the map that the polygon's plane, the \
+photograph's camera (with its lens) and the view share; nothing is resampled twice. What lies \
+outside the photograph stays undrawn. The nearest polygon wins. Photographs are not tested for what \
 stands in their way.
 
-Vertices are world coordinates in any one unit of length; the picture has the size of the scene's
+Vertices are world coordinates in any one unit of length; the picture has the size of the scene's \
 view, in pixels. docs/formats.md describes the scene file.";
 
 const AFTER: &str = "\
 Example:
   collinear render town.json -o view.png
 
-Exit codes: 0 done, 1 failed (an old OUT is left as it was), 2 wrong usage.";
+Exit codes: 0 done; 1 failed (an old OUT is left as it was); 2 wrong usage, as an output that is an \
+input too.";
 
 impl Arguments {
     pub(crate) fn run(&self) -> Result<()> {
-        let scene = SceneFile::open(&self.scene)?;
+        let mut files = Files::default();
+        files.output("the output (-o)", &self.output)?;
+        files.input("the scene", &self.scene)?;
+        let scene = open_scene(&self.scene, &mut files)?;
         let bar = progress_bar("rendering");
         let result = render_scene(&scene, Path::new(""), &|done, total| {
             bar.set_length(total as u64);
@@ -66,6 +69,14 @@ impl Arguments {
         }
         for remark in &report.notes {
             say(&format!("warning: {name}: {remark}"));
+        }
+        if let Some(first) = report.nearer.first() {
+            let others = match report.nearer.len() {
+                1 => String::new(),
+                2 => ", like 1 other".into(),
+                n => format!(", like {} others", n - 1),
+            };
+            say(&format!("warning: {name}: {first}, and is not drawn{others}"));
         }
         write_picture(&self.output, &rendered.picture)?;
         say(&format!(

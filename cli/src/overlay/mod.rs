@@ -86,7 +86,7 @@ pub fn plane_figure(plane: &PlaneFile, cells: u32) -> Result<Figure> {
 /// everything else is passed over.
 ///
 /// # Errors
-/// A file that cannot be read, and a line that makes no sense, with its number.
+/// A file that cannot be read, that is no text, or that has nothing to draw; a line that makes no sense, with its number.
 pub fn mesh_figures(path: &Path) -> Result<Vec<Figure>> {
     obj::read(path)
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail, ensure};
 use collinear::nalgebra::Point3;
 
 use super::{Figure, middle};
@@ -11,6 +11,9 @@ use super::{Figure, middle};
 pub(super) fn read(path: &Path) -> Result<Vec<Figure>> {
     let name = path.display();
     let bytes = fs::read(path).map_err(|e| anyhow!("{name}: cannot be read: {e}"))?;
+    if bytes.contains(&0) {
+        bail!("{name}: is no text: a Wavefront OBJ file is needed here");
+    }
     // Comments and names may be in any encoding.
     parse(&String::from_utf8_lossy(&bytes)).map_err(|e| anyhow!("{name}: {e}"))
 }
@@ -60,6 +63,11 @@ fn parse(text: &str) -> Result<Vec<Figure>> {
         }
     }
     group.finish(&mut figures);
+    ensure!(
+        !figures.is_empty(),
+        "there are no faces and no lines in it (`f`, `l` of a Wavefront OBJ file) and {} vertices: nothing to draw",
+        vertices.len()
+    );
     Ok(figures)
 }
 

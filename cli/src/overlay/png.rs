@@ -5,7 +5,7 @@ use collinear_io::picture::Picture;
 use tiny_skia::{IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
 use super::{CASING_OPACITY, CASING_WIDTH, Drawing, Overlay};
-use crate::picture::Rgb;
+use crate::picture::drop_opacity;
 
 impl Overlay {
     /// The photograph in colour with anti-aliased lines of `line_width` pixels over it, on a darker ground.
@@ -14,11 +14,7 @@ impl Overlay {
     /// A photograph of another size than the overlay's.
     pub fn draw_on(&self, photograph: &Picture, line_width: f64) -> Result<Picture> {
         let (width, height) = (photograph.width, photograph.height);
-        let rgba = Rgb::from(photograph.clone())
-            .data()
-            .chunks_exact(3)
-            .flat_map(|p| p.iter().copied().chain([u8::MAX]))
-            .collect();
+        let rgba = opaque(photograph);
         let mut pixmap = IntSize::from_wh(width, height)
             .filter(|_| (width, height) == (self.width, self.height))
             .and_then(|size| Pixmap::from_vec(rgba, size))
@@ -51,9 +47,24 @@ impl Overlay {
                 lines(*color, 1.0, path, &line);
             }
         }
-        let data = pixmap.data().chunks_exact(4).flat_map(|p| p.iter().take(3)).copied().collect();
+        let mut data = pixmap.take();
+        drop_opacity(&mut data);
         Ok(Picture { width, height, channels: 3, data, orientation: 1 })
     }
+}
+
+/// The photograph in colour, its own opacity passed over.
+fn opaque(photograph: &Picture) -> Vec<u8> {
+    let channels = usize::from(photograph.channels.max(1));
+    let mut rgba = Vec::with_capacity(photograph.data.len() / channels * 4);
+    for pixel in photograph.data.chunks_exact(channels) {
+        match pixel {
+            [r, g, b, ..] => rgba.extend([*r, *g, *b, u8::MAX]),
+            [grey, ..] => rgba.extend([*grey, *grey, *grey, u8::MAX]),
+            [] => {}
+        }
+    }
+    rgba
 }
 
 fn path(drawing: &Drawing) -> Option<Path> {

@@ -1,39 +1,105 @@
-//! The scene as JSON, in map coordinates.
+//! The scene and what belongs to it as files, in map coordinates: cameras, a plane, points.
 
 use std::fmt::Write;
 
 use super::camera::Camera;
 use super::caster::{BACKGROUND, Town};
+use super::polygon::Polygon;
 use super::scene::MAP;
+use super::vector::V3;
 
-fn camera_json(camera: &Camera) -> String {
+/// The façade of the plane file.
+const FACADE: &str = "town hall front";
+
+/// The points of the list: a name, a polygon's name and the number of its vertex.
+const POINTS: [(&str, &str, usize); 7] = [
+    ("spire", "spire 0.0", 2),
+    ("tower, south-west foot", "tower south", 0),
+    ("tower, south-east foot", "tower south", 1),
+    ("town hall, left foot", FACADE, 0),
+    ("town hall, right foot", FACADE, 1),
+    ("town hall, right eaves", "town hall right", 3),
+    ("behind the square", "ground 2.0", 0),
+];
+
+fn in_map(p: V3) -> [f64; 3] {
+    [p.x + MAP[0], p.y + MAP[1], p.z + MAP[2]]
+}
+
+/// The fields of a camera: its size, its interior and its exterior orientation.
+fn camera_fields(camera: &Camera) -> [String; 3] {
     let (f, c) = (camera.principal_distance, camera.principal_point);
-    let at = camera.center.array();
+    let [x0, y0, z0] = in_map(camera.center);
     let [w, x, y, z] = camera.quaternion();
     let [k1, k2, k3] = camera.k;
     let [p1, p2] = camera.p;
     let distorted = camera.k != [0.0; 3] || camera.p != [0.0; 2];
     let model = if distorted { "brown" } else { "pinhole" };
     let lens = if distorted {
-        format!(",\"k\":[{k1},{k2},{k3}],\"p\":[{p1},{p2}]")
+        format!(", \"k\": [{k1}, {k2}, {k3}], \"p\": [{p1}, {p2}]")
     } else {
         String::new()
     };
+    [
+        format!("\"width\": {}, \"height\": {}", camera.width, camera.height),
+        format!(
+            "\"interior\": {{ \"model\": \"{model}\", \"principal_distance\": [{}, {}], \
+             \"principal_point\": [{}, {}]{lens} }}",
+            f.0, f.1, c.0, c.1
+        ),
+        format!(
+            "\"exterior\": {{ \"projection_center\": [{x0}, {y0}, {z0}], \
+             \"quaternion_wxyz\": [{w}, {x}, {y}, {z}] }}"
+        ),
+    ]
+}
+
+/// The files beside the scene, each with its name: the photographs' cameras, the plane of a façade, a list of points.
+pub(crate) fn files(town: &Town) -> Vec<(String, String)> {
+    let mut files = vec![
+        ("town.json".to_owned(), scene_json(town)),
+        ("town_hall.plane.json".to_owned(), plane_json(town)),
+        ("points.csv".to_owned(), points_csv(town)),
+    ];
+    for photograph in &town.photographs {
+        let fields = camera_fields(&photograph.camera).join(",\n  ");
+        let text = format!("{{\n  \"collinear\": \"camera\", \"version\": 1,\n  {fields}\n}}\n");
+        files.push((camera_file(photograph.name), text));
+    }
+    files
+}
+
+fn camera_file(photograph: &str) -> String {
+    format!("{photograph}.camera.json")
+}
+
+/// The first polygon whose name starts so.
+fn named<'a>(town: &'a Town, name: &str) -> &'a Polygon {
+    let found = town.polygons.iter().find(|p| p.name.starts_with(name));
+    found.unwrap_or(&town.polygons[0])
+}
+
+fn plane_json(town: &Town) -> String {
+    let facade = named(town, FACADE);
+    let ((left, bottom), (right, top)) = facade.extent();
+    let [x, y, z] = in_map(facade.frame.origin);
+    let n = facade.frame.n;
     format!(
-        "{{\"width\":{},\"height\":{},\
-         \"interior\":{{\"model\":\"{model}\",\"principal_distance\":[{},{}],\"principal_point\":[{},{}],\
-         \"skew\":0{lens}}},\
-         \"exterior\":{{\"projection_center\":[{},{},{}],\"quaternion_wxyz\":[{w},{x},{y},{z}]}}}}",
-        camera.width,
-        camera.height,
-        f.0,
-        f.1,
-        c.0,
-        c.1,
-        at[0] + MAP[0],
-        at[1] + MAP[1],
-        at[2] + MAP[2],
+        "{{\n  \"collinear\": \"plane\", \"version\": 1,\n  \"point\": [{x}, {y}, {z}], \"normal\": [{}, {}, {}],\n  \
+         \"rectangle\": {{ \"left\": {left}, \"bottom\": {bottom}, \"right\": {right}, \"top\": {top} }}\n}}\n",
+        n.x + 0.0,
+        n.y + 0.0,
+        n.z + 0.0
     )
+}
+
+fn points_csv(town: &Town) -> String {
+    let mut out = String::from("id,X,Y,Z\n");
+    for (label, polygon, vertex) in POINTS {
+        let [x, y, z] = in_map(named(town, polygon).vertices[vertex]);
+        let _ = writeln!(out, "\"{label}\",{x},{y},{z}");
+    }
+    out
 }
 
 /// The scene file: photographs, polygons in map coordinates, the new view.
@@ -42,11 +108,11 @@ pub(crate) fn scene_json(town: &Town) -> String {
     let comma = |i: usize, n: usize| if i + 1 < n { ",\n" } else { "\n" };
     for (i, photograph) in town.photographs.iter().enumerate() {
         let name = photograph.name;
-        let camera = camera_json(&photograph.camera);
+        let camera = camera_file(name);
         let end = comma(i, town.photographs.len());
         let _ = write!(
             out,
-            "{{\"name\":\"{name}\",\"image\":\"{name}.png\",\"camera\":{camera}}}{end}"
+            "{{\"name\":\"{name}\",\"image\":\"{name}.png\",\"camera\":\"{camera}\"}}{end}"
         );
     }
     out.push_str("],\n\"textures\":[],\n\"polygons\":[\n");
@@ -54,7 +120,10 @@ pub(crate) fn scene_json(town: &Town) -> String {
         let vertices: Vec<String> = polygon
             .vertices
             .iter()
-            .map(|p| format!("[{},{},{}]", p.x + MAP[0], p.y + MAP[1], p.z + MAP[2]))
+            .map(|p| {
+                let [x, y, z] = in_map(*p);
+                format!("[{x},{y},{z}]")
+            })
             .collect();
         let _ = write!(
             out,
@@ -68,9 +137,9 @@ pub(crate) fn scene_json(town: &Town) -> String {
     let [r, g, b] = BACKGROUND;
     let _ = write!(
         out,
-        "],\n\"view\":{},\n\"background\":[{r},{g},{b}],\n\"near\":0.5,\"cull\":\"none\",\
+        "],\n\"view\":{{ {} }},\n\"background\":[{r},{g},{b}],\n\"near\":0.5,\"cull\":\"none\",\
          \"filter\":\"bilinear\",\"interpolation\":\"perspective\"}}\n",
-        camera_json(&town.view)
+        camera_fields(&town.view).join(", ")
     );
     out
 }

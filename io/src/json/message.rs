@@ -123,6 +123,13 @@ fn finding(found: &str) -> String {
             if let Some(text) = other.strip_prefix("string ") {
                 return format!("the string {text}");
             }
+            // A float as large or as small as they get is hundreds of digits.
+            if let Some(number) = other.strip_prefix("floating point ")
+                && let Ok(value) = number.trim_matches('`').parse::<f64>()
+                && !(value == 0.0 || (1e-4..1e16).contains(&value.abs()))
+            {
+                return format!("{value:e}");
+            }
             other
                 .trim_start_matches("integer ")
                 .trim_start_matches("floating point ")
