@@ -62,7 +62,9 @@ impl CentralProjection for Panorama {
         if !d.iter().all(|c| c.is_finite()) || *d == Vector3::zeros() {
             return Err(ProjectionError::NotFinite);
         }
-        let (longitude, level) = (float::atan2(d.x, d.z), float::hypot(d.x, d.z));
+        let level = float::hypot(d.x, d.z);
+        // Straight up and down every longitude is as good, and a zero's sign is none.
+        let longitude = if level > 0.0 { float::atan2(d.x, d.z) } else { 0.0 };
         finite(match self {
             Self::Equirectangular => Point2::new(longitude, float::atan2(d.y, level)),
             Self::Cylindrical => Point2::new(longitude, d.y / level),

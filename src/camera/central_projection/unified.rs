@@ -26,7 +26,7 @@ use crate::numeric::float;
 /// use nalgebra::{Point2, Vector3};
 ///
 /// let lens = UnifiedSphere::new(0.4)?;
-/// assert_eq!(lens.plane(&Vector3::new(3.0, 0.0, 4.0))?, Point2::new(0.5, 0.0));
+/// assert!((lens.plane(&Vector3::new(3.0, 0.0, 4.0))? - Point2::new(0.5, 0.0)).norm() < 1e-15);
 /// assert!((lens.direction(&Point2::new(0.5, 0.0))? - Vector3::new(0.6, 0.0, 0.8)).norm() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
