@@ -5,7 +5,8 @@ use nalgebra::{Matrix2x3, Point2, Point3, Vector2, Vector3};
 use super::interior::INTERIOR;
 use super::{
     Adjustable, Brown, CentralModel, CentralProjection, Distortion, EvenRadial, Fisheye, Gnomonic,
-    InteriorOrientation, NoDistortion, ParameterGroup, collinearity, no_group, parameters,
+    InteriorOrientation, NoDistortion, ParameterGroup, UndistortedMany, collinearity, no_group,
+    parameters,
 };
 use crate::error::{Error, ProjectionError};
 
@@ -104,6 +105,51 @@ impl<P: CentralProjection, D: Distortion> CentralCamera<P, D> {
     #[must_use]
     pub fn distortion(&self) -> &D {
         &self.distortion
+    }
+
+    /// The ideal plane points of many pixels: X/Z and Y/Z after [`Gnomonic`]. A pixel that has none becomes NaN, and is counted.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`].
+    ///
+    /// # Example
+    /// OpenCV 5.0.0's `projectPoints` puts (0.31, −0.22, 1) at this pixel, whose centre is half a pixel on:
+    ///
+    /// ```
+    /// use collinear::camera::{Brown, BrownCamera, InteriorOrientation};
+    /// use nalgebra::Point2;
+    ///
+    /// let interior = InteriorOrientation::from_opencv(1000.0, 1000.0, 319.5, 239.5)?;
+    /// let camera = BrownCamera::new(interior, Brown::new([-0.28, 0.07, 0.002], [1e-3, -5e-4])?);
+    /// let pixels = vec![Point2::new(617.6076220865975, 28.88781658370502); 1000];
+    /// let mut ideal = vec![Point2::origin(); 1000];
+    /// let report = camera.undistort_points(&pixels, &mut ideal)?;
+    /// assert_eq!((report.converged, report.failed), (1000, 0));
+    /// assert!((ideal[999] - Point2::new(0.31, -0.22)).norm() < 1e-15);
+    /// # Ok::<(), collinear::Error>(())
+    /// ```
+    #[doc(alias("undistortPoints"))]
+    pub fn undistort_points(
+        &self,
+        pixels: &[Point2<f64>],
+        ideal: &mut [Point2<f64>],
+    ) -> Result<UndistortedMany, Error> {
+        if pixels.len() != ideal.len() {
+            return Err(Error::LengthMismatch {
+                what: "pixels and ideal points",
+                left: pixels.len(),
+                right: ideal.len(),
+            });
+        }
+        let mut report = UndistortedMany::NONE;
+        // Blocks that stay in the cache between the two steps.
+        for (pixels, ideal) in pixels.chunks(1024).zip(ideal.chunks_mut(1024)) {
+            for (pixel, point) in pixels.iter().zip(ideal.iter_mut()) {
+                *point = self.interior.normalised_from_pixel(pixel);
+            }
+            report = report.and(self.distortion.undistort_many(ideal));
+        }
+        Ok(report)
     }
 
     /// What the group of this number is.

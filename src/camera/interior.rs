@@ -206,12 +206,14 @@ impl InteriorOrientation {
     }
 
     /// Pixel of the normalised image point (X/Z, Y/Z).
+    #[inline]
     #[must_use]
     pub fn pixel_from_normalised(&self, normalised: &Point2<f64>) -> Point2<f64> {
         self.principal_point + self.axes * normalised.coords
     }
 
     /// Normalised image point (X/Z, Y/Z) of a pixel.
+    #[inline]
     #[must_use]
     pub fn normalised_from_pixel(&self, pixel: &Point2<f64>) -> Point2<f64> {
         Point2::from(self.inverse_axes * (pixel - self.principal_point))

@@ -34,7 +34,7 @@ pub use central_projection::{
 pub use colmap::{COLMAP_MODELS, from_colmap};
 pub use distortion::{
     Brown, Distortion, EvenRadial, Fraser, Metashape, NoDistortion, RadialTangentialThinPrism,
-    Rational, ThinPrism, Undistorted,
+    Rational, ThinPrism, Undistorted, UndistortedMany,
 };
 pub use exterior::ExteriorOrientation;
 pub use frame::Frame;

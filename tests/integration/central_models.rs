@@ -246,3 +246,57 @@ fn project_after_direction_is_the_identity_out_to_the_edge_of_every_domain() {
     check_model(Panorama::Equirectangular, NoDistortion, 179.0);
     check_model(Panorama::Cylindrical, NoDistortion, 85.0);
 }
+
+/// Points all over the picture and beyond it, among them some that no ideal point has for its image.
+#[test]
+fn many_points_are_undistorted_as_one_by_one() {
+    let interior =
+        InteriorOrientation::new([611.3, 598.7], Point2::new(513.4, 391.9), 0.7).unwrap();
+    let rational = Rational::from_opencv(&[
+        -0.281, 0.0713, 1.1e-3, -6.2e-4, 0.0131, 0.0172, -0.0214, 0.0036, 8.3e-4, -4.1e-4, -7.7e-4,
+        2.9e-4, 0.031, -0.047,
+    ]);
+    let brown = Brown::new([-0.28, 0.01, 0.001], [1.1e-3, -6e-4]);
+    let metashape = Metashape::new([-0.11, 0.04, -0.013, 0.002], [1.1e-3, -6e-4, 0.3, -0.1]);
+    let fraser = Fraser::new([0.11, -0.03, 0.004], [1e-3, -6e-4], [3e-3, -2e-3]);
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, rational.unwrap()), 0);
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, brown.unwrap()), 100);
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, metashape.unwrap()), 0);
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, fraser.unwrap()), 0);
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, NoDistortion), 0);
+}
+
+fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures: usize) {
+    for count in [0, 1, 5, 31, 64, 65, 3001] {
+        let pixels: Vec<Point2<f64>> = (0..count)
+            .map(|i| {
+                let (a, b) = (f64::from(i) * 0.754_877_666, f64::from(i) * 0.569_840_291);
+                Point2::new(1500.0 * a.fract() - 250.0, 1300.0 * b.fract() - 250.0)
+            })
+            .chain([Point2::new(f64::NAN, 3.0)])
+            .collect();
+        let mut ideal = vec![Point2::origin(); pixels.len()];
+        let report = camera.undistort_points(&pixels, &mut ideal).unwrap();
+        assert_eq!(report.converged + report.failed, pixels.len());
+        assert!(report.failed > 0 && report.largest_residual < 4e-15 * 2.0, "{report:?}");
+        assert!(count < 3000 || report.failed > fewest_failures, "{report:?}");
+        let mut failed = 0;
+        for (pixel, point) in pixels.iter().zip(&ideal) {
+            let distorted = camera.interior().normalised_from_pixel(pixel);
+            match camera.distortion().undistort(&distorted) {
+                Ok(alone) => {
+                    // Both are at the floor of the residual; near the fold that floor is wide.
+                    let share = alone.point.coords.norm() / camera.distortion().fold_radius();
+                    let off = (point - alone.point).norm();
+                    assert!(off < 1e-14 / (1.0 - share).max(1e-3), "{off} {share} {camera:?}");
+                }
+                Err(_) => {
+                    failed += 1;
+                    assert!(point.x.is_nan() && point.y.is_nan(), "{pixel}: {point}");
+                }
+            }
+        }
+        assert_eq!(failed, report.failed);
+    }
+    assert!(camera.undistort_points(&[Point2::origin()], &mut []).is_err());
+}

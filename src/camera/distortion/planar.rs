@@ -41,6 +41,7 @@ pub(super) struct Planar<const N: usize, const D: usize, const T: u8, const S: b
 }
 
 /// 1 + c₁ s + c₂ s² + …
+#[inline(always)]
 fn series<V: Scalar>(coefficients: &[V], s: V) -> V {
     let one = V::constant(1.0);
     let Some((last, rest)) = coefficients.split_last() else { return one };
@@ -48,12 +49,14 @@ fn series<V: Scalar>(coefficients: &[V], s: V) -> V {
 }
 
 /// The slope of [`series`] in s.
-fn series_slope(coefficients: &[f64], s: f64) -> f64 {
+#[inline(always)]
+fn series_slope<V: Scalar>(coefficients: &[V], s: V) -> V {
     let terms = coefficients.iter().enumerate().rev();
-    terms.fold(0.0, |sum, (i, c)| sum * s + (i + 1) as f64 * c)
+    terms.fold(V::constant(0.0), |sum, (i, c)| sum * s + c.scale((i + 1) as f64))
 }
 
 /// The formula.
+#[inline(always)]
 fn distort<V: Scalar, const N: usize, const D: usize, const T: u8, const S: bool>(
     [x, y]: [V; 2],
     k: &[V; N],
@@ -83,6 +86,7 @@ fn distort<V: Scalar, const N: usize, const D: usize, const T: u8, const S: bool
 }
 
 /// The decentering terms with m = 1.
+#[inline(always)]
 fn decentering<V: Scalar>([x, y]: [V; 2], r2: V, p: &[V; 2]) -> [V; 2] {
     let xy = (x * y).scale(2.0);
     [p[0] * xy + p[1] * (r2 + (x * x).scale(2.0)), p[0] * (r2 + (y * y).scale(2.0)) + p[1] * xy]
@@ -171,16 +175,80 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> Planar<N, D, T,
         Self { k, d, p, q, s, fold_radius: f64::INFINITY }
     }
 
+    /// The coefficients as another kind of number: k, d, p, q, s.
+    #[inline(always)]
+    #[allow(clippy::type_complexity, reason = "five groups of one formula")]
+    fn lifted<V: Scalar>(&self) -> ([V; N], [V; D], [V; 2], [V; 2], [V; 4]) {
+        (
+            self.k.map(V::constant),
+            self.d.map(V::constant),
+            self.p.map(V::constant),
+            self.q.map(V::constant),
+            self.s.map(V::constant),
+        )
+    }
+
     /// N/D and its slope in s.
-    #[inline]
-    fn ratio(&self, r2: f64) -> [f64; 2] {
-        let (value, slope) = (series(&self.k, r2), series_slope(&self.k, r2));
+    #[inline(always)]
+    fn ratio<V: Scalar>(&self, r2: V) -> [V; 2] {
+        let (k, d, ..) = self.lifted::<V>();
+        let (value, slope) = (series(&k, r2), series_slope(&k, r2));
         if D == 0 {
             return [value, slope];
         }
-        let below = series(&self.d, r2);
+        let below = series(&d, r2);
         let ratio = value / below;
-        [ratio, (slope - ratio * series_slope(&self.d, r2)) / below]
+        [ratio, (slope - ratio * series_slope(&d, r2)) / below]
+    }
+
+    /// The distorted point less a target.
+    #[inline(always)]
+    pub(super) fn miss<V: Scalar>(&self, point: [V; 2], target: [V; 2]) -> [V; 2] {
+        let (k, d, p, q, s) = self.lifted::<V>();
+        let [x, y] = distort::<V, N, D, T, S>(point, &k, &d, &p, &q, &s);
+        [x - target[0], y - target[1]]
+    }
+
+    /// What decentering and prism add.
+    #[inline(always)]
+    pub(super) fn beside_radial<V: Scalar>(&self, point: [V; 2]) -> [V; 2] {
+        let (.., p, q, s) = self.lifted::<V>();
+        let [x, y] = distort::<V, 0, 0, T, S>(point, &[], &[], &p, &q, &s);
+        [x - point[0], y - point[1]]
+    }
+
+    /// ∂(x″, y″)/∂(x, y), by rows.
+    #[inline(always)]
+    pub(super) fn jacobian_of<V: Scalar>(&self, [x, y]: [V; 2]) -> [V; 4] {
+        let (.., p, q, s) = self.lifted::<V>();
+        let r2 = x * x + y * y;
+        let [ratio, slope] = self.ratio(r2);
+        let slope = slope.scale(2.0);
+        let off = slope * x * y;
+        let mut j = [ratio + slope * x * x, off, off, ratio + slope * y * y];
+        if T > 0 {
+            let cross = (p[0] * x + p[1] * y).scale(2.0);
+            let mut by_point = [
+                (p[0] * y).scale(2.0) + (p[1] * x).scale(6.0),
+                cross,
+                cross,
+                (p[0] * y).scale(6.0) + (p[1] * x).scale(2.0),
+            ];
+            if T > 1 {
+                let t = decentering([x, y], r2, &p);
+                let (m, m_slope) = (series(&q, r2), series_slope(&q, r2).scale(2.0));
+                let by_m = [t[0] * x, t[0] * y, t[1] * x, t[1] * y];
+                by_point = core::array::from_fn(|i| by_point[i] * m + by_m[i] * m_slope);
+            }
+            j = core::array::from_fn(|i| j[i] + by_point[i]);
+        }
+        if S {
+            let slope = |first: V, second: V| (first + (second * r2).scale(2.0)).scale(2.0);
+            let g = [slope(s[0], s[1]), slope(s[2], s[3])];
+            let prism = [g[0] * x, g[0] * y, g[1] * x, g[1] * y];
+            j = core::array::from_fn(|i| j[i] + prism[i]);
+        }
+        j
     }
 }
 
@@ -199,35 +267,8 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> OneToOne for Pl
 
     #[inline]
     fn jacobian(&self, point: &Point2<f64>) -> Matrix2<f64> {
-        let (x, y) = (point.x, point.y);
-        let r2 = x * x + y * y;
-        let [ratio, slope] = self.ratio(r2);
-        let slope = 2.0 * slope;
-        let off = slope * x * y;
-        let mut j = Matrix2::new(ratio + slope * x * x, off, off, ratio + slope * y * y);
-        if T > 0 {
-            let [p1, p2] = self.p;
-            let cross = 2.0 * (p1 * x + p2 * y);
-            let mut by_point = Matrix2::new(
-                2.0 * p1 * y + 6.0 * p2 * x,
-                cross,
-                cross,
-                6.0 * p1 * y + 2.0 * p2 * x,
-            );
-            if T > 1 {
-                let t = Vector2::from(decentering([x, y], r2, &self.p));
-                let m_slope = 2.0 * series_slope(&self.q, r2);
-                by_point =
-                    by_point * series(&self.q, r2) + t * (Vector2::new(x, y) * m_slope).transpose();
-            }
-            j += by_point;
-        }
-        if S {
-            let [s1, s2, s3, s4] = self.s;
-            let g = Vector2::new(s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2) * 2.0;
-            j += g * Vector2::new(x, y).transpose();
-        }
-        j
+        let [a, b, c, d] = self.jacobian_of([point.x, point.y]);
+        Matrix2::new(a, b, c, d)
     }
 
     fn fold_radius(&self) -> f64 {

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
+use super::many::undistort_many;
 use super::one_to_one::{OneToOne, invert};
 use super::planar::Planar;
-use super::{Distortion, Undistorted};
+use super::{Distortion, Undistorted, UndistortedMany};
 use crate::camera::collinearity::finite;
 use crate::camera::{Parametrised, parameters};
 use crate::error::{Error, ProjectionError};
@@ -191,6 +192,15 @@ impl Distortion for Rational {
 
     fn undistort(&self, distorted: &Point2<f64>) -> Result<Undistorted, ProjectionError> {
         invert(&self.planar, &self.untilted(distorted)?)
+    }
+
+    fn undistort_many(&self, points: &mut [Point2<f64>]) -> UndistortedMany {
+        if self.tilt != [0.0; 2] {
+            for point in points.iter_mut() {
+                *point = self.untilted(point).unwrap_or(Point2::new(f64::NAN, f64::NAN));
+            }
+        }
+        undistort_many(&self.planar, points)
     }
 
     fn parameter_partials(&self, ideal: &Point2<f64>, out: &mut [Vector2<f64>]) {
