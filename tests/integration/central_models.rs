@@ -300,3 +300,76 @@ fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures
     }
     assert!(camera.undistort_points(&[Point2::origin()], &mut []).is_err());
 }
+
+/// One ray, 60° from the axis to the right (and 30° down for panoramas), through each projection, by the formula in decimals.
+#[test]
+fn projections_of_one_ray_by_hand() {
+    let ray = Vector3::new(3f64.sqrt(), 0.0, 1.0);
+    let right = |p: &dyn Fn(&Vector3<f64>) -> Point2<f64>, expected: f64| {
+        let at = p(&ray);
+        assert!((at - Point2::new(expected, 0.0)).norm() < 1e-14, "{at} for {expected}");
+    };
+    right(&|d| Gnomonic.plane(d).unwrap(), 1.732_050_807_568_877_2);
+    right(&|d| Fisheye::Equidistant.plane(d).unwrap(), 1.047_197_551_196_597_6);
+    right(&|d| Fisheye::Stereographic.plane(d).unwrap(), 1.154_700_538_379_251_7);
+    right(&|d| Fisheye::Equisolid.plane(d).unwrap(), 1.0);
+    right(&|d| Fisheye::Orthographic.plane(d).unwrap(), 0.866_025_403_784_438_6);
+    // sin 60°/(cos 60° + 0.9) = 0.8660254/1.4
+    right(&|d| UnifiedSphere::new(0.9).unwrap().plane(d).unwrap(), 0.618_589_574_131_741_8);
+    // w = ½ − ⅕ = 0.3, √(¾ + 0.09) = √0.84: 0.8660254/(0.6 √0.84 + 0.4 · 0.3)
+    let double = DoubleSphere::new(-0.2, 0.6).unwrap();
+    let expected = 0.75f64.sqrt() / (0.6 * 0.84f64.sqrt() + 0.12);
+    right(&|d| double.plane(d).unwrap(), expected);
+
+    let below = Vector3::new(1.0, 2.0, -1.0);
+    let at = Panorama::Equirectangular.plane(&below).unwrap();
+    // 135° to the right; tan φ = 2/√2
+    assert!((at - Point2::new(2.356_194_490_192_345, 0.955_316_618_124_509_3)).norm() < 1e-15);
+    let at = Panorama::Cylindrical.plane(&below).unwrap();
+    assert!((at - Point2::new(2.356_194_490_192_345, 2f64.sqrt())).norm() < 1e-15);
+}
+
+/// At (x̄, ȳ) = (0.3, −0.4): r² = ¼, r⁴ = 1/16, r⁶ = 1/64, r⁸ = 1/256.
+#[test]
+fn metashapes_and_frasers_lenses_by_their_formulas() {
+    let ideal = Point2::new(0.3, -0.4);
+    let lens = Metashape::new([0.4, -0.16, 0.64, -0.256], [0.01, 0.02, 0.4, -0.8]).unwrap();
+    // 1 + 0.1 − 0.01 + 0.01 − 0.001 = 1.099; m = 1 + 0.1 − 0.05 = 1.05
+    // P₁ (¼ + 0.18) + 2 P₂ (−0.12) = 0.0043 − 0.0048; P₂ (¼ + 0.32) + 2 P₁ (−0.12) = 0.0114 − 0.0024
+    let expected = Point2::new(0.3 * 1.099 - 0.0005 * 1.05, -0.4 * 1.099 + 0.009 * 1.05);
+    assert!((lens.distort(&ideal).unwrap() - expected).norm() < 1e-15);
+
+    // u = w/2 + cx + x′ (f + b₁) + y′ b₂, v = h/2 + cy + y′ f
+    let interior =
+        InteriorOrientation::from_metashape([4000.0, 3000.0], 3500.0, [12.0, -7.0], [5.0, -2.0]);
+    let pixel = interior.unwrap().pixel_from_normalised(&Point2::new(0.1, -0.2));
+    assert!((pixel - Point2::new(2012.0 + 350.5 + 0.4, 1493.0 - 700.0)).norm() < 1e-12);
+
+    // y up: (x̄, ȳ) = (0.3, 0.4) in units of c. 1 + 0.1 − 0.01 + 0.01 = 1.1 of K.
+    let c = 20.0_f64;
+    let k = [0.4 / c / c, -0.16 / c.powi(4), 0.64 / c.powi(6)];
+    let lens = Fraser::from_millimetres(c, k, [0.01 / c, 0.02 / c], [0.03, -0.05]).unwrap();
+    // P₁ (¼ + 0.18) + 2 P₂ · 0.12 = 0.0043 + 0.0048, b₁x̄ + b₂ȳ = 0.009 − 0.02
+    // P₂ (¼ + 0.32) + 2 P₁ · 0.12 = 0.0114 + 0.0024
+    let expected = Point2::new(0.33 + 0.0091 - 0.011, -(0.44 + 0.0138));
+    let found = lens.undistort(&ideal).unwrap();
+    assert!((found.point - expected).norm() < 1e-15, "{}", found.point);
+    assert!((lens.distort(&expected).unwrap() - ideal).norm() < 1e-15);
+}
+
+/// Where the slope along a line through the axis vanishes, by hand.
+#[test]
+fn folds_of_rational_and_corrected_lenses_by_hand() {
+    // r/(1 + r²) is largest at r = 1.
+    let lens = Rational::new([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0; 2], [0.0; 4], [0.0; 2]).unwrap();
+    assert!((lens.fold_radius() - 1.0).abs() < 1e-15);
+    assert!(lens.distort(&Point2::new(0.8, 0.61)).is_err());
+    // r (1 − r²/10)/(1 + r²): (1 − 3r²/10)(1 + r²) = 2r² (1 − r²/10), so r⁴ + 13 r² = 10.
+    let lens =
+        Rational::new([-0.1, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0; 2], [0.0; 4], [0.0; 2]).unwrap();
+    let expected = (0.5 * (209f64.sqrt() - 13.0)).sqrt();
+    assert!((lens.fold_radius() - expected).abs() < 1e-15, "{}", lens.fold_radius());
+    // ∂x̂/∂x̄ = 1 − 3x̄² − 0.19 on the x axis.
+    let lens = Fraser::new([-1.0, 0.0, 0.0], [0.0; 2], [-0.19, 0.0]).unwrap();
+    assert!((lens.fold_radius() - 0.27f64.sqrt()).abs() < 1e-15);
+}

@@ -7,6 +7,8 @@ use crate::numeric::float;
 
 /// The division lens: one parameter, closed in both directions (Fitzgibbon 2001, eq. 1).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/division.svg")]
+///
 /// # Model
 /// ```text
 /// (ρ, Z) ∝ (r, 1 + λ r²)        ρ = √(X² + Y²)

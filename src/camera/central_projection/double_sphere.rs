@@ -8,6 +8,8 @@ use crate::numeric::float;
 
 /// The double sphere projection: onto two spheres, ξ apart, then onto the plane (Usenko, Demmel & Cremers 2018, eq. 40 to 48).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/double_sphere.svg")]
+///
 /// # Model
 /// ```text
 /// r = ρ / (α √(ρ² + w²) + (1 − α) w),   w = ξ R + Z,   ρ = √(X² + Y²),   R = √(X² + Y² + Z²)

@@ -7,6 +7,8 @@ use crate::numeric::float;
 
 /// The enhanced unified projection: onto an ellipsoid instead of a sphere (Khomutenko, Garcia & Martinet 2016, eq. 6).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/enhanced_unified.svg")]
+///
 /// # Model
 /// ```text
 /// r = ρ / (α √(βρ² + Z²) + (1 − α) Z),   ρ = √(X² + Y²)

@@ -11,6 +11,8 @@ use crate::numeric::scalar::Scalar;
 
 /// The field-of-view lens: a fisheye of one parameter (Devernay & Faugeras 2001, eq. 13).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/field_of_view.svg")]
+///
 /// # Model
 /// ```text
 /// r = atan(2 r_u tan(ω/2)) / ω,   r_u = √(X² + Y²)/Z

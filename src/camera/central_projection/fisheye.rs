@@ -9,6 +9,8 @@ use crate::numeric::float;
 
 /// A fisheye without errors: the radius is a function of the angle θ from the axis.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/fisheye.svg")]
+///
 /// # Model
 /// ```text
 /// equidistant   r = θ                 equal angles are equal lengths

@@ -8,6 +8,8 @@ use crate::error::{Error, ProjectionError};
 
 /// The central perspective, as of a pinhole: straight lines stay straight.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/gnomonic.svg")]
+///
 /// # Model
 /// ```text
 /// x = X/Z,   y = Y/Z                                                        [WD] eq. 4a

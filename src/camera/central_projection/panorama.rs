@@ -12,6 +12,8 @@ use crate::numeric::float;
 
 /// A panorama: the sphere or the cylinder unrolled about the camera's y axis.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/panorama.svg")]
+///
 /// # Model
 /// ```text
 /// equirectangular  x = λ,  y = φ           λ = atan2(X, Z),   φ = atan2(Y, √(X² + Z²)), positive downwards

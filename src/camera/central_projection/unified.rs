@@ -8,6 +8,8 @@ use crate::numeric::float;
 /// The unified projection: onto the unit sphere, and from a point ξ behind its centre onto the plane (Geyer & Daniilidis 2000;
 /// Mei & Rives 2007, eq. 6).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/unified.svg")]
+///
 /// # Model
 /// ```text
 /// r = ρ / (Z + ξ R),   ρ = √(X² + Y²),   R = √(X² + Y² + Z²)

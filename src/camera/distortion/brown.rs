@@ -7,6 +7,8 @@ use crate::error::Error;
 
 /// Radial and decentering distortion of normalised image points (Brown 1971).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/brown.svg")]
+///
 /// # Model
 /// ```text
 /// x″ = x (1 + k₁r² + k₂r⁴ + k₃r⁶) + 2 p₁ x y + p₂ (r² + 2x²)

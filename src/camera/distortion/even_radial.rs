@@ -7,6 +7,8 @@ use crate::error::Error;
 
 /// Radial distortion by an even polynomial of four terms.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/even_radial.svg")]
+///
 /// # Model
 /// ```text
 /// r″ = r (1 + k₁r² + k₂r⁴ + k₃r⁶ + k₄r⁸)

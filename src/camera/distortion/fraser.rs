@@ -11,6 +11,8 @@ use crate::numeric::float;
 
 /// Corrections of measured image coordinates: radial, decentering, affinity and shear (Fraser 1997).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/fraser.svg")]
+///
 /// # Model
 /// ```text
 /// x̂ = x̄ + x̄ (K₁r² + K₂r⁴ + K₃r⁶) + P₁ (r² + 2x̄²) + 2 P₂ x̄ȳ + b₁x̄ + b₂ȳ

@@ -7,6 +7,8 @@ use crate::error::Error;
 
 /// Agisoft Metashape's radial and decentering distortion.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/metashape.svg")]
+///
 /// # Model
 /// ```text
 /// x′ = x (1 + K₁r² + K₂r⁴ + K₃r⁶ + K₄r⁸) + (P₁ (r² + 2x²) + 2 P₂ x y) (1 + P₃r² + P₄r⁴)

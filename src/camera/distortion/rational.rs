@@ -15,6 +15,8 @@ use crate::numeric::scalar::Scalar;
 /// Rational radial, decentering and thin-prism distortion on a tilted sensor: OpenCV's model of 4, 5, 8, 12 or 14
 /// coefficients.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/rational.svg")]
+///
 /// # Model
 /// ```text
 /// x′ = x (1 + k₁r² + k₂r⁴ + k₃r⁶)/(1 + k₄r² + k₅r⁴ + k₆r⁶) + 2 p₁ x y + p₂ (r² + 2x²) + s₁r² + s₂r⁴

@@ -10,6 +10,8 @@ use crate::error::{Error, ProjectionError};
 
 /// Radial, decentering and thin-prism distortion in one stage (Weng, Cohen & Herniou 1992).
 ///
+#[doc = include_str!("../../../docs/figures/lenses/thin_prism.svg")]
+///
 /// # Model
 /// ```text
 /// x″ = x (1 + k₁r² + k₂r⁴ + k₃r⁶ + k₄r⁸) + 2 p₁ x y + p₂ (r² + 2x²) + s₁ r²
@@ -94,6 +96,8 @@ impl Distortion for ThinPrism {
 }
 
 /// Radial distortion, and decentering and thin-prism distortion of its result.
+///
+#[doc = include_str!("../../../docs/figures/lenses/two_stage.svg")]
 ///
 /// # Model
 /// ```text

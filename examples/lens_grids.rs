@@ -1,0 +1,183 @@
+//! What each central model does to a grid, as the figures of their pages.
+//!
+//! `cargo run --release --example lens_grids -- [FOLDER]` writes an SVG a model to FOLDER, or to `target/lenses`;
+//! the documentation includes those in `docs/figures/lenses`.
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+
+use collinear::camera::{
+    Brown, CentralProjection, Distortion, Division, DoubleSphere, EnhancedUnified, EvenRadial,
+    FieldOfView, Fisheye, Fraser, Gnomonic, Metashape, NoDistortion, Panorama,
+    RadialTangentialThinPrism, Rational, ThinPrism, UnifiedSphere,
+};
+use collinear::nalgebra::{Point2, Vector3};
+
+type Failure = Box<dyn Error>;
+
+/// The drawing's width and height, and its margin.
+const SIZE: [f64; 2] = [360.0, 240.0];
+const MARGIN: f64 = 8.0;
+
+fn main() -> Result<(), Failure> {
+    let folder = std::env::args_os().nth(1).map_or_else(|| "target/lenses".into(), PathBuf::from);
+    fs::create_dir_all(&folder)?;
+    let write = |name: &str, svg: String| fs::write(folder.join(name).with_extension("svg"), svg);
+
+    // The lenses of the plane: a wall of squares, ideal and as the lens shows it. Coefficients are those of strong lenses.
+    let (p, s) = ([8e-3, -5e-3], [6e-3, -3e-3, -5e-3, 2e-3]);
+    write("brown", wall(&Brown::new([-0.28, 0.05, 0.0], p)?))?;
+    let k = [-0.28, 0.07, 0.0, 0.02, -0.02, 0.0];
+    write("rational", wall(&Rational::new(k, p, s, [0.1, -0.15])?))?;
+    let k = [-0.25, 0.05, 0.0, 0.0];
+    write("metashape", wall(&Metashape::new(k, [8e-3, -5e-3, 0.4, 0.0])?))?;
+    write("fraser", wall(&Fraser::new([0.28, 0.0, 0.0], [-8e-3, 5e-3], [0.02, 0.03])?))?;
+    write("even_radial", wall(&EvenRadial::new([-0.2, 0.03, 0.0, 0.0])?))?;
+    write("thin_prism", wall(&ThinPrism::new(k, p, [0.03, -0.02])?))?;
+    let k = [-0.25, 0.05, 0.0, 0.0, 0.0, 0.0];
+    let prism = [0.03, 0.0, -0.02, 0.0];
+    write("two_stage", wall(&RadialTangentialThinPrism::new(k, p, prism)?))?;
+
+    // The projections: meridians and parallels about the y axis, every 15°.
+    write("gnomonic", globe(&[("", &Gnomonic)], 60))?;
+    let fisheyes: [(&str, &dyn CentralProjectionView); 4] = [
+        ("equidistant", &Fisheye::Equidistant),
+        ("stereographic", &Fisheye::Stereographic),
+        ("equisolid", &Fisheye::Equisolid),
+        ("orthographic", &Fisheye::Orthographic),
+    ];
+    write("fisheye", globe(&fisheyes, 90))?;
+    write("field_of_view", globe(&[("", &FieldOfView::new(1.2)?)], 80))?;
+    write("division", globe(&[("", &Division::new(-0.35)?)], 110))?;
+    write("unified", globe(&[("", &UnifiedSphere::new(0.9)?)], 110))?;
+    write("enhanced_unified", globe(&[("", &EnhancedUnified::new(0.6, 1.1)?)], 110))?;
+    write("double_sphere", globe(&[("", &DoubleSphere::new(-0.2, 0.6)?)], 110))?;
+    let panoramas: [(&str, &dyn CentralProjectionView); 2] =
+        [("equirectangular", &Panorama::Equirectangular), ("cylindrical", &Panorama::Cylindrical)];
+    write("panorama", globe(&panoramas, 180))?;
+    Ok(())
+}
+
+/// The half of a projection that is drawn, as an object.
+trait CentralProjectionView {
+    fn point(&self, direction: &Vector3<f64>) -> Option<Point2<f64>>;
+}
+
+impl<P: CentralProjection> CentralProjectionView for P {
+    fn point(&self, direction: &Vector3<f64>) -> Option<Point2<f64>> {
+        self.plane(direction).ok()
+    }
+}
+
+/// A line with gaps where there is no point.
+type Line = Vec<Option<Point2<f64>>>;
+
+fn samples(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {
+    (0..=count).map(move |i| from + (to - from) * f64::from(i) / f64::from(count))
+}
+
+/// A wall of squares through a lens, over the same wall without it.
+fn wall(lens: &impl Distortion) -> String {
+    let through = |x: f64, y: f64| lens.distort(&Point2::new(x, y)).ok();
+    let straight = |x: f64, y: f64| NoDistortion.distort(&Point2::new(x, y)).ok();
+    let grid = |point: &dyn Fn(f64, f64) -> Option<Point2<f64>>, count| -> Vec<Line> {
+        let columns = samples(-0.9, 0.9, 12)
+            .map(|x| samples(-0.6, 0.6, count).map(|y| point(x, y)).collect());
+        let rows =
+            samples(-0.6, 0.6, 8).map(|y| samples(-0.9, 0.9, count).map(|x| point(x, y)).collect());
+        columns.chain(rows).collect()
+    };
+    let panel = Panel { caption: "", ideal: grid(&straight, 1), lines: grid(&through, 24) };
+    drawing(&[panel])
+}
+
+/// Meridians and parallels within an angle of the axis.
+fn globe(projections: &[(&'static str, &dyn CentralProjectionView)], degrees: i32) -> String {
+    let panels: Vec<Panel> = projections
+        .iter()
+        .map(|(caption, projection)| {
+            let point = |longitude: f64, latitude: f64| {
+                let ((s, c), (up, level)) = (longitude.sin_cos(), latitude.sin_cos());
+                let direction = Vector3::new(level * s, up, level * c);
+                let inside = direction.z >= f64::from(degrees).to_radians().cos() - 1e-9;
+                projection.point(&direction).filter(|_| inside)
+            };
+            // Where a projection ends or tears, so do the lines.
+            let (east, north) = (f64::from(degrees.min(179)), f64::from(degrees.min(75)));
+            let (east, north) = (east.to_radians(), north.to_radians());
+            let step = 15f64.to_radians();
+            let lines_of = |most: f64| {
+                (-12..=12)
+                    .map(f64::from)
+                    .map(move |i| i * step)
+                    .filter(move |a| a.abs() <= most + 1e-9)
+            };
+            let meridians =
+                lines_of(east).map(|l| samples(-north, north, 20).map(|b| point(l, b)).collect());
+            let parallels =
+                lines_of(north).map(|b| samples(-east, east, 40).map(|l| point(l, b)).collect());
+            Panel { caption, ideal: vec![], lines: meridians.chain(parallels).collect() }
+        })
+        .collect();
+    drawing(&panels)
+}
+
+struct Panel {
+    caption: &'static str,
+    ideal: Vec<Line>,
+    lines: Vec<Line>,
+}
+
+/// The panels side by side, each scaled to its place.
+fn drawing(panels: &[Panel]) -> String {
+    let width = SIZE[0] * if panels.len() > 1 { 2.0 } else { 1.0 };
+    let place = [width / panels.len() as f64, SIZE[1]];
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {}\" width=\"{width}\" role=\"img\" \
+         font-family=\"sans-serif\" font-size=\"12\" fill=\"none\" stroke=\"currentColor\">\n",
+        SIZE[1]
+    );
+    for (i, panel) in panels.iter().enumerate() {
+        let all = || panel.ideal.iter().chain(&panel.lines).flatten().flatten();
+        let reach = |axis: usize| all().map(|p| p[axis].abs()).fold(1e-9, f64::max);
+        let room = |axis: usize| 0.5 * place[axis] - MARGIN - if axis == 1 { 8.0 } else { 0.0 };
+        let scale = (room(0) / reach(0)).min(room(1) / reach(1));
+        let middle = [place[0] * (i as f64 + 0.5), 0.5 * place[1] - 8.0];
+        let path = |lines: &[Line]| {
+            let mut d = String::new();
+            for line in lines {
+                let mut pen_down = false;
+                for point in line {
+                    if let Some(p) = point {
+                        let at = [0, 1].map(|axis| middle[axis] + scale * p[axis]);
+                        let command = if pen_down { 'L' } else { 'M' };
+                        let _ = write!(d, "{command}{:.1} {:.1}", at[0], at[1]);
+                    }
+                    pen_down = point.is_some();
+                }
+            }
+            d
+        };
+        if !panel.ideal.is_empty() {
+            let _ = writeln!(
+                svg,
+                "<path stroke-opacity=\".35\" stroke-dasharray=\"3 3\" d=\"{}\"/>",
+                path(&panel.ideal)
+            );
+        }
+        let _ = writeln!(svg, "<path stroke=\"#48e\" d=\"{}\"/>", path(&panel.lines));
+        if !panel.caption.is_empty() {
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" stroke=\"none\" fill=\"currentColor\">{}</text>",
+                middle[0],
+                SIZE[1] - 6.0,
+                panel.caption
+            );
+        }
+    }
+    svg.push_str("</svg>\n");
+    svg
+}
