@@ -15,7 +15,10 @@ fn numbers(v: &Value) -> Vec<f64> {
     v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
 }
 
-fn cases(program: &str) -> Vec<(String, Vec<f64>, Vec<(Vector3<f64>, Point2<f64>)>)> {
+/// A model, its parameters, and directions with their images.
+type Case = (String, Vec<f64>, Vec<(Vector3<f64>, Point2<f64>)>);
+
+fn cases(program: &str) -> Vec<Case> {
     let all: Value =
         serde_json::from_str(include_str!("../data/oracles/central_models.json")).unwrap();
     let of_program = |c: &&Value| c["program"] == program;

@@ -54,6 +54,8 @@ impl UndistortedMany {
 
 /// Fewer points are not worth a start of their own.
 const FEW: usize = 32;
+/// The start's polynomial reaches to this share of the fold radius.
+const SHARE_OF_FOLD: f64 = 0.9;
 /// Degree of the start's polynomial.
 const DEGREE: usize = 7;
 /// cos((2i + 1)π/16): Chebyshev's nodes.
@@ -127,7 +129,11 @@ pub(super) fn undistort_many<const N: usize, const D: usize, const T: u8, const 
     points: &mut [Point2<f64>],
 ) -> UndistortedMany {
     let mut report = UndistortedMany::NONE;
+    // What lies nearer to the fold than the start reaches, or beyond it, is found out by its residual and goes alone.
+    let fold = lens.fold_radius();
+    let rim = if fold.is_finite() { lens.radial(SHARE_OF_FOLD * fold)[0] } else { f64::INFINITY };
     let farthest = points.iter().map(|p| p.coords.norm_squared()).fold(0.0, f64::max);
+    let farthest = farthest.min(rim * rim);
     let start =
         if points.len() >= FEW && farthest < 1e12 { Start::new(lens, farthest) } else { None };
     let Some(start) = start else {
