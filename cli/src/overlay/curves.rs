@@ -8,11 +8,17 @@ use collinear::{camera::Frame, geometry::Pose};
 use collinear_io::camera::CameraFile;
 use collinear_io::convert::Central;
 
-use super::lines::{DEPTH, MARGIN, STEPS, TOLERANCE, distance};
+use super::lines::{MARGIN, STEPS, TOLERANCE, distance};
 use crate::rectify::border;
 
 /// Visible parts of an edge are looked for at this part of the picture's field, and at every degree.
 const PART_OF_FIELD: f64 = 1.0 / 32.0;
+
+/// A piece of a line, before it is halved, goes over so many of these places at most.
+const PIECE: u32 = 16;
+
+/// A piece is halved at most so often: down to the 4096th part of the way between two places.
+const DEPTH: u32 = 16;
 
 /// At most so many places of an edge are looked at for that.
 const MOST_PLACES: f64 = 4096.0;
@@ -101,26 +107,36 @@ impl Curves {
             return ends.into_iter().flatten().take(1).collect();
         };
         let count = (arc.angle / self.step).ceil().clamp(1.0, MOST_PLACES);
-        let mut last = (0.0, self.image(&arc.at(0.0)));
-        if let Some(p) = last.1 {
-            pen.begin(p);
-        }
-        for i in 1..=count as u32 {
+        let place = |i: u32| {
             let angle = arc.angle * (f64::from(i) / count);
-            let next = (angle, self.image(&arc.at(angle)));
-            match (last.1, next.1) {
-                (Some(p), Some(q)) => self.piece(&arc, [last.0, angle], [p, q], DEPTH, &mut pen),
-                (Some(p), None) => {
-                    let (end, q) = self.end(&arc, (last.0, p), angle);
-                    self.piece(&arc, [last.0, end], [p, q], DEPTH, &mut pen);
+            (angle, self.image(&arc.at(angle)))
+        };
+        let mut last = place(0);
+        // Where the pen is, and what is not drawn since.
+        let mut from = last.1.map(|p| (last.0, p));
+        from.into_iter().for_each(|(_, p)| pen.begin(p));
+        for i in 1..=count as u32 {
+            let next = place(i);
+            match (from, last.1, next.1) {
+                (Some((s, p)), _, Some(q)) => {
+                    if i % PIECE == 0 || f64::from(i) >= count {
+                        self.piece(&arc, [s, next.0], [p, q], DEPTH, &mut pen);
+                        from = Some((next.0, q));
+                    }
+                }
+                (Some((s, p)), Some(seen), None) => {
+                    let (end, q) = self.end(&arc, (last.0, seen), next.0);
+                    self.piece(&arc, [s, end], [p, q], DEPTH, &mut pen);
                     pen.lift();
+                    from = None;
                 }
-                (None, Some(q)) => {
-                    let (start, p) = self.end(&arc, (angle, q), last.0);
+                (None, _, Some(q)) => {
+                    let (start, p) = self.end(&arc, (next.0, q), last.0);
                     pen.begin(p);
-                    self.piece(&arc, [start, angle], [p, q], DEPTH, &mut pen);
+                    self.piece(&arc, [start, next.0], [p, q], DEPTH, &mut pen);
+                    from = Some((next.0, q));
                 }
-                (None, None) => {}
+                _ => {}
             }
             last = next;
         }

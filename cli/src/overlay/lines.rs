@@ -16,7 +16,7 @@ use crate::rectify::border;
 pub(super) const TOLERANCE: f64 = 0.05;
 
 /// A line is halved at most so often. Each time divides its error by four: one of ten thousand pixels needs nine.
-pub(super) const DEPTH: u32 = 12;
+const DEPTH: u32 = 12;
 
 /// Lines are drawn as far as this part beyond the picture.
 pub(super) const MARGIN: f64 = 0.1;
