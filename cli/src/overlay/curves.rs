@@ -118,11 +118,9 @@ impl Curves {
         for i in 1..=count as u32 {
             let next = place(i);
             match (from, last.1, next.1) {
-                (Some((s, p)), _, Some(q)) => {
-                    if i % PIECE == 0 || f64::from(i) >= count {
-                        self.piece(&arc, [s, next.0], [p, q], DEPTH, &mut pen);
-                        from = Some((next.0, q));
-                    }
+                (Some((s, p)), _, Some(q)) if i % PIECE == 0 || f64::from(i) >= count => {
+                    self.piece(&arc, [s, next.0], [p, q], DEPTH, &mut pen);
+                    from = Some((next.0, q));
                 }
                 (Some((s, p)), Some(seen), None) => {
                     let (end, q) = self.end(&arc, (last.0, seen), next.0);
