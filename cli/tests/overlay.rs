@@ -267,7 +267,12 @@ fn a_line_that_leaves_a_fisheyes_picture_comes_back() {
     let file = CameraFile::parse(&document("camera", &looking_down([400, 200], fisheye))).unwrap();
     let lines = follows(&file, [[-100.0, 40.0, 0.0], [100.0, 40.0, 0.0]]);
     assert_eq!(lines.len(), 2);
-    // It points at the camera: a dot, as other cameras draw it.
+    // Both end a tenth above the picture.
+    for line in lines {
+        let top = line.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+        assert!((top + 20.0).abs() < 1e-9, "{top}");
+    }
+    // An edge that points at the camera is a dot, as other cameras draw it.
     let ends = [[5.0, 0.0, 5.0], [7.0, 0.0, 3.0]].map(Point3::from);
     let figure = Figure { name: None, edges: vec![ends], middle: ends[0] };
     let overlay = Overlay::trace(&[figure], &file).unwrap();
