@@ -26,7 +26,7 @@ use crate::plane::PlaneFile;
 pub enum Camera {
     /// Without a lens.
     Pinhole(Frame<InteriorOrientation>),
-    /// With Brown's lens.
+    /// With Brown's lens, which may do nothing.
     Brown(Frame<BrownCamera>),
     /// With any other model that has one projection centre.
     Central(Frame<Central>),
@@ -123,8 +123,11 @@ impl CameraFile {
                 Camera::Central(Frame::new(exterior, Central(Arc::new(model))))
             }
             Interior::Colmap { model, parameters } => {
-                let model =
-                    from_colmap(model, parameters).map_err(in_field("interior.parameters"))?;
+                let refused = in_field("interior.parameters");
+                if let Some(camera) = browns(model, parameters) {
+                    return Ok(Camera::Brown(Frame::new(exterior, camera.map_err(refused)?)));
+                }
+                let model = from_colmap(model, parameters).map_err(refused)?;
                 Camera::Central(Frame::new(exterior, Central(Arc::from(model))))
             }
             Interior::Orthographic { pixels_per_unit: [sx, sy], principal_point: [x, y] } => {
@@ -136,7 +139,8 @@ impl CameraFile {
         })
     }
 
-    /// The library's camera with Brown's lens; a pinhole has a lens without distortion.
+    /// The library's camera with Brown's lens; a pinhole has a lens without distortion. COLMAP's pinholes and `SIMPLE_RADIAL`,
+    /// `RADIAL` and `OPENCV` are such cameras.
     ///
     /// # Errors
     /// As [`camera`](Self::camera), and [`FieldProblem::Unsupported`] for every other model.
@@ -147,7 +151,8 @@ impl CameraFile {
             }
             Camera::Brown(frame) => Ok(frame),
             Camera::Central(_) | Camera::Orthographic(_) => {
-                let expected = "a camera `pinhole` or `brown` is needed";
+                let expected =
+                    "a camera `pinhole` or `brown` is needed, or a `colmap` one that is either";
                 let found = self.interior.model().into();
                 let problem = FieldProblem::Unsupported { found, expected };
                 Err(FieldError::new("interior.model", problem).into())
@@ -290,6 +295,23 @@ impl GtxFile {
     pub fn geoid_grid(self) -> Result<GeoidGrid, Error> {
         GeoidGrid::new(self.layout, self.undulations_m).map_err(in_field(""))
     }
+}
+
+/// Those of COLMAP's models that are Brown's, so that they have a homography.
+fn browns(model: &str, parameters: &[f64]) -> Option<Result<BrownCamera, collinear::Error>> {
+    let (distance, point, [k1, k2, p1, p2]) = match (model, parameters) {
+        ("SIMPLE_PINHOLE", &[f, x, y]) => ([f, f], [x, y], [0.0; 4]),
+        ("PINHOLE", &[fx, fy, x, y]) => ([fx, fy], [x, y], [0.0; 4]),
+        ("SIMPLE_RADIAL", &[f, x, y, k]) => ([f, f], [x, y], [k, 0.0, 0.0, 0.0]),
+        ("RADIAL", &[f, x, y, k1, k2]) => ([f, f], [x, y], [k1, k2, 0.0, 0.0]),
+        ("OPENCV", &[fx, fy, x, y, ref lens @ ..]) => ([fx, fy], [x, y], lens.try_into().ok()?),
+        _ => return None,
+    };
+    let camera = || {
+        let interior = InteriorOrientation::new(distance, Point2::from(point), 0.0)?;
+        Ok(BrownCamera::new(interior, Brown::new([k1, k2, 0.0], [p1, p2])?))
+    };
+    Some(camera())
 }
 
 fn interior(

@@ -1,6 +1,6 @@
 //! Camera files of every central model.
 
-use collinear::camera::COLMAP_MODELS;
+use collinear::camera::{COLMAP_MODELS, SensorModel};
 use collinear::geometry::Locus;
 use collinear::nalgebra::{Point2, Point3, Vector2};
 use collinear_io::Document;
@@ -294,10 +294,21 @@ fn a_model_has_its_own_fields_and_numbers_of_its_own_domain() {
 }
 
 #[test]
-fn only_pinhole_and_brown_are_frames_of_brown_lenses() {
+fn only_cameras_with_browns_lens_or_none_are_frames_of_it() {
     let error = parse(r#""model": "equirectangular""#).frame().unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "interior.model: is `equirectangular`: a camera `pinhole` or `brown` is needed"
-    );
+    let told = "interior.model: is `equirectangular`: a camera `pinhole` or `brown` is needed";
+    assert!(error.starts_with(told), "{error}");
+    let mut frames = Vec::new();
+    for Case { model, parameters, points } in cases("pycolmap") {
+        let colmap = format!(
+            r#""model": "colmap", "colmap_model": "{model}", "parameters": {parameters:?}"#
+        );
+        let Ok(frame) = parse(&colmap).frame() else { continue };
+        for ([x, y, z], image) in points {
+            let ours = frame.project(&Point3::new(x, y, z)).unwrap();
+            assert!((ours - image).norm() < 1e-9, "{model}: {ours} for {image}");
+        }
+        frames.push(model);
+    }
+    assert_eq!(frames, ["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"]);
 }
