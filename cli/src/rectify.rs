@@ -8,14 +8,14 @@ use collinear::ProjectionError;
 use collinear::camera::{ExteriorOrientation, HomogeneousCamera, Orthographic};
 use collinear::error::Brief;
 use collinear::geometry::{Affine2, Homography};
-use collinear::mapping::{FractionalLinear, Map, RowCoords, UndistortMap};
+use collinear::mapping::{Map, RowCoords};
 use collinear::nalgebra::{Matrix2, Matrix3, Point2, Point3, Rotation3, RowVector3, Vector3};
 use collinear::resample::{Border, Filter, ImageView, ImageViewMut, warp};
 use collinear_io::camera::{CameraFile, Interior};
 use collinear_io::picture::Picture;
 use collinear_io::plane::{PlaneFile, Rectangle};
 
-use crate::photograph::{self, PlaneMap};
+use crate::photograph::PlaneMap;
 use crate::picture::check_size;
 
 /// Rows drawn between two reports of progress.
@@ -38,7 +38,7 @@ pub struct Rectified {
 pub struct Rectification {
     width: u32,
     height: u32,
-    homography: Homography,
+    homography: Option<Homography>,
     map: Box<dyn Map>,
     through_lens: bool,
     mirrored: bool,
@@ -48,7 +48,8 @@ impl Rectification {
     /// The part of a plane in `rectangle`, face-on, its up upwards, in a picture of the given size.
     ///
     /// The picture's edges are the rectangle's. The screen is a parallel projection along the plane's normal, the map that
-    /// of [`FractionalLinear::from_plane`], followed by the photograph's lens.
+    /// of [`FractionalLinear::from_plane`](collinear::mapping::FractionalLinear::from_plane), followed by the photograph's
+    /// lens.
     ///
     /// # Errors
     /// A size that [`check_size`] refuses; a camera or a plane out of their domain; a plane through the camera.
@@ -66,9 +67,9 @@ impl Rectification {
         Ok(Self {
             width,
             height,
-            homography: map.linear.homography()?,
+            homography: map.homography()?,
+            through_lens: map.through_lens(),
             map: map.boxed(),
-            through_lens: map.lens.is_some(),
             mirrored: is_behind(camera, plane)?,
         })
     }
@@ -87,25 +88,11 @@ impl Rectification {
         height: u32,
     ) -> Result<Self> {
         check_size(width, height)?;
-        let lens = match camera {
-            Some(camera) => photograph::lens(&camera.camera()?),
-            None => None,
-        };
-        let mut ideal = *corners;
-        if let Some(lens) = lens {
-            let undistort = UndistortMap::new(lens);
-            for c in &mut ideal {
-                *c = undistort
-                    .at(c)
-                    .map_err(|e| anyhow!("corner ({}, {}): {e}", Brief(c.x), Brief(c.y)))?;
-            }
-        }
+        let photograph = camera.map(CameraFile::camera).transpose()?;
         let (w, h) = (f64::from(width), f64::from(height));
         let sides = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(Point2::from);
-        let homography = Homography::from_quads(&sides, &ideal)?;
-        let map = PlaneMap { linear: FractionalLinear::from_homography(&homography), lens };
-        let mirrored = homography.matrix().determinant() < 0.0;
-        let through_lens = lens.is_some();
+        let (map, mirrored) = PlaneMap::of_quad(&sides, corners, photograph.as_ref())?;
+        let (homography, through_lens) = (map.homography()?, map.through_lens());
         Ok(Self { width, height, homography, map: map.boxed(), through_lens, mirrored })
     }
 
@@ -116,10 +103,10 @@ impl Rectification {
     }
 
     /// The homography in it: the whole map where the photograph's camera has no lens, else the map into the ideal picture,
-    /// to be followed by the lens.
+    /// to be followed by the lens. None for a camera other than pinhole, Brown's and orthographic.
     #[must_use]
-    pub fn homography(&self) -> &Homography {
-        &self.homography
+    pub fn homography(&self) -> Option<&Homography> {
+        self.homography.as_ref()
     }
 
     /// Whether the map goes through a lens, so that it is more than its homography.
@@ -365,13 +352,11 @@ fn face_on(
 fn is_behind(camera: &CameraFile, plane: &PlaneFile) -> Result<bool> {
     let (exterior, plane) = (camera.exterior.orientation()?, plane.plane()?);
     Ok(match camera.interior {
-        Interior::Pinhole { .. } | Interior::Brown { .. } => {
-            plane.signed_distance(&exterior.projection_center()) < 0.0
-        }
         Interior::Orthographic { .. } => {
             let along = exterior.camera_from_world().inverse() * Vector3::z();
             along.dot(&plane.normal()) > 0.0
         }
+        _ => plane.signed_distance(&exterior.projection_center()) < 0.0,
     })
 }
 

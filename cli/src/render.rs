@@ -78,9 +78,9 @@ impl fmt::Display for Remark {
 /// polygon is another.
 ///
 /// A polygon whose photograph's camera has no lens errors is drawn through
-/// [`FractionalLinear`](collinear::mapping::FractionalLinear) alone, any other through
-/// [`PhotographMap`](collinear::mapping::PhotographMap). What lies outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes
-/// colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
+/// [`FractionalLinear`](collinear::mapping::FractionalLinear) alone, one with Brown's lens through
+/// [`PhotographMap`](collinear::mapping::PhotographMap), any other point by point through its central model. What lies
+/// outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
 /// [reported](Report::refused).
 ///
 /// # Errors
@@ -97,7 +97,7 @@ pub fn render_scene(
     let screen = match view.camera().map_err(|e| anyhow!("view: {e}"))? {
         Camera::Pinhole(frame) => frame.homogeneous(),
         Camera::Orthographic(camera) => camera.homogeneous(),
-        Camera::Brown(_) => {
+        Camera::Brown(_) | Camera::Central(_) => {
             return Err(anyhow!("view: has a lens, its model must be `pinhole` or `orthographic`"));
         }
     };

@@ -1,11 +1,11 @@
 //! `collinear overlay`.
 
-use collinear::nalgebra::Point3;
+use collinear::nalgebra::{Point2, Point3};
 use collinear_cli::overlay::{Figure, Overlay};
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 
-use crate::support::{Folder, document, ground, map_view, pixel, vertical};
+use crate::support::{Folder, document, ground, looking_down, map_view, pixel, vertical};
 
 const GREY: [u8; 3] = [100, 100, 100];
 
@@ -170,6 +170,34 @@ fn off(line: &[[f64; 2]], p: [f64; 2]) -> f64 {
     line.windows(2).map(|w| piece(w[0], w[1])).fold(f64::INFINITY, f64::min)
 }
 
+/// Lines of an edge with every image of its points in the picture within a tenth of a pixel.
+fn follows(file: &CameraFile, ends: [[f64; 3]; 2]) -> Vec<Vec<[f64; 2]>> {
+    let camera = file.camera().unwrap();
+    let ends = ends.map(Point3::from);
+    let figure = Figure { name: None, edges: vec![ends], middle: ends[0] };
+    let overlay = Overlay::trace(&[figure], file).unwrap();
+    let line = |l: &Vec<_>| l.iter().map(|p: &Point2<f64>| [p.x, p.y]).collect();
+    let lines: Vec<Vec<[f64; 2]>> = overlay.drawings[0].lines.iter().map(line).collect();
+    let (mut worst, mut seen) = (0.0_f64, 0);
+    for i in 0..=100_000 {
+        let world = ends[0] + (ends[1] - ends[0]) * (f64::from(i) / 1e5);
+        // The camera's own projection, point by point; it refuses what is past the fold.
+        let Ok(p) = camera.sensor().project(&world) else { continue };
+        let (w, h) = (f64::from(file.width), f64::from(file.height));
+        if (0.0..w).contains(&p.x) && (0.0..h).contains(&p.y) {
+            let nearest = lines.iter().map(|l| off(l, [p.x, p.y])).fold(f64::INFINITY, f64::min);
+            worst = worst.max(nearest);
+            seen += 1;
+        }
+    }
+    assert!(seen > 10_000 && worst < 0.1, "{:?}: {worst} at {seen} points", file.interior);
+    // No line leaps over the picture.
+    let pieces = lines.iter().flat_map(|l| l.windows(2));
+    let longest = pieces.map(|w| (w[0][0] - w[1][0]).hypot(w[0][1] - w[1][1])).fold(0.0, f64::max);
+    assert!(longest < 0.8 * f64::from(file.width), "{longest}");
+    lines
+}
+
 #[test]
 fn a_line_through_a_lens_is_right_to_a_tenth_of_a_pixel() {
     for lens in [
@@ -178,25 +206,80 @@ fn a_line_through_a_lens_is_right_to_a_tenth_of_a_pixel() {
         r#", "k": [-0.25, 0, 0], "p": [0.01, 0]"#,
     ] {
         let file = CameraFile::parse(&document("camera", &vertical(400, 300, lens))).unwrap();
-        let camera = file.camera().unwrap();
-        let ends = [[-40.0, 13.0, 0.0], [25.0, -11.0, 3.0]].map(Point3::from);
-        let figure = Figure { name: None, edges: vec![ends], middle: ends[0] };
-        let overlay = Overlay::trace(&[figure], &file).unwrap();
-        let [line] = &overlay.drawings[0].lines[..] else { panic!("{overlay:?}") };
-        let line: Vec<[f64; 2]> = line.iter().map(|p| [p.x, p.y]).collect();
-        let (mut worst, mut seen) = (0.0_f64, 0);
-        for i in 0..=100_000 {
-            let world = ends[0] + (ends[1] - ends[0]) * (f64::from(i) / 1e5);
-            // The camera's own projection, point by point; it refuses what is past the fold.
-            let Ok(p) = camera.sensor().project(&world) else { continue };
-            if (0.0..400.0).contains(&p.x) && (0.0..300.0).contains(&p.y) {
-                worst = worst.max(off(&line, [p.x, p.y]));
-                seen += 1;
+        let lines = follows(&file, [[-40.0, 13.0, 0.0], [25.0, -11.0, 3.0]]);
+        assert!(lines.len() == 1 && lines[0].len() < 60, "{} pieces", lines[0].len());
+    }
+}
+
+#[test]
+fn a_line_through_any_central_model_is_right_to_a_tenth_of_a_pixel() {
+    let pixels = r#""principal_distance": [100, 100], "principal_point": [200, 150]"#;
+    for (model, lines) in [
+        (r#""model": "rational", PIXELS, "k": [-0.2, 0.02, 0, 0.1], "tau": [0.1, 0]"#, 1),
+        (r#""model": "metashape", PIXELS, "k": [0.1, 0, 0, 0]"#, 1),
+        (r#""model": "fisheye", PIXELS"#, 1),
+        (r#""model": "fisheye", PIXELS, "projection": "equisolid""#, 1),
+        (r#""model": "double_sphere", PIXELS, "xi": -0.2, "alpha": 0.59"#, 1),
+        (r#""model": "colmap", "colmap_model": "FOV", "parameters": [150, 150, 200, 150, 1]"#, 1),
+        // The line passes below the camera from left to right, the seam is above its horizon to the rear.
+        (r#""model": "equirectangular""#, 1),
+    ] {
+        let model = model
+            .replace("PIXELS", pixels)
+            .replace("[-0.2, 0.02, 0, 0.1]", "[-0.2, 0.02, 0, 0.1, 0, 0]");
+        let file =
+            CameraFile::parse(&document("camera", &looking_down([400, 300], &model))).unwrap();
+        let found = follows(&file, [[-40.0, 13.0, 0.0], [25.0, -11.0, 3.0]]);
+        assert_eq!(found.len(), lines, "{model}");
+        assert!(found[0].len() < 60, "{model}: {} pieces", found[0].len());
+    }
+}
+
+#[test]
+fn a_line_over_the_seam_of_a_panorama_has_two_parts() {
+    let level = r#""width": 720, "height": 360, "interior": { "model": "equirectangular" },
+        "exterior": { "projection_center": [0, 0, 10], "rotation_matrix": [[1, 0, 0], [0, 0, -1], [0, 1, 0]] }"#;
+    let file = CameraFile::parse(&document("camera", level)).unwrap();
+    // Looking north; the line runs behind it, from south-west to south-east, level with the camera and a little below.
+    for z in [10.0, 9.0] {
+        let mut lines = follows(&file, [[-10.0, -10.0, z], [10.0, -10.0, z]]);
+        lines.sort_by(|a, b| a[0].partial_cmp(&b[0]).unwrap());
+        let [left, right] = &lines[..] else { panic!("{} lines", lines.len()) };
+        // 135° to either side is 270 pixels from the middle; the seam is 360 from it.
+        let ends = |l: &[[f64; 2]]| {
+            let mut ends = [l[0][0], l[l.len() - 1][0]];
+            ends.sort_by(f64::total_cmp);
+            ends
+        };
+        for (found, expected) in [(ends(left), [0.0, 90.0]), (ends(right), [630.0, 720.0])] {
+            for (f, e) in found.iter().zip(expected) {
+                assert!((f - e).abs() < 1e-3, "{found:?}, {expected:?}");
             }
         }
-        assert!(seen > 10_000 && worst < 0.1, "{lens}: {worst} at {seen} points");
-        assert!(line.len() < 60, "{} pieces", line.len());
     }
+}
+
+#[test]
+fn a_line_that_leaves_a_fisheyes_picture_comes_back() {
+    // The picture shows 115° to each side and 57° up and down; the line 76° up leaves it at the top.
+    let fisheye =
+        r#""model": "fisheye", "principal_distance": [100, 100], "principal_point": [200, 100]"#;
+    let file = CameraFile::parse(&document("camera", &looking_down([400, 200], fisheye))).unwrap();
+    let lines = follows(&file, [[-100.0, 40.0, 0.0], [100.0, 40.0, 0.0]]);
+    assert_eq!(lines.len(), 2);
+    // Both end a tenth above the picture.
+    for line in lines {
+        let top = line.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+        assert!((top + 20.0).abs() < 1e-9, "{top}");
+    }
+    // An edge that points at the camera is a dot, as other cameras draw it.
+    let ends = [[5.0, 0.0, 5.0], [7.0, 0.0, 3.0]].map(Point3::from);
+    let figure = Figure { name: None, edges: vec![ends], middle: ends[0] };
+    let overlay = Overlay::trace(&[figure], &file).unwrap();
+    assert_eq!(overlay.line_count(), 1);
+    let p = overlay.drawings[0].lines[0][0];
+    // 45° to the right.
+    assert!((p - Point2::new(200.0 + 25.0 * std::f64::consts::PI, 100.0)).norm() < 1e-9, "{p}");
 }
 
 #[test]

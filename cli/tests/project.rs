@@ -1,6 +1,6 @@
 //! `collinear project`.
 
-use crate::support::{Folder, document, ground, vertical};
+use crate::support::{Folder, document, ground, looking_down, vertical};
 
 fn folder(lens: &str) -> Folder {
     let folder = Folder::new();
@@ -114,4 +114,71 @@ fn what_was_projected_comes_back_to_the_last_digits_in_map_coordinates() {
             assert!((field.parse::<f64>().unwrap() - e).abs() < 3e-8, "{line}");
         }
     }
+}
+
+/// What went through `--inverse` onto the plane through `point` and came back.
+fn there_and_back(interior: &str, plane: &str, clicks: &[[f64; 2]]) -> Folder {
+    let folder = Folder::new();
+    folder.write("camera.json", document("camera", &looking_down([400, 300], interior)));
+    folder.write("plane.json", document("plane", plane));
+    let lines: String = clicks.iter().map(|[x, y]| format!("{x:?},{y:?}\n")).collect();
+    folder.write("clicks.csv", lines);
+    let inverse = ["--inverse", "--plane", "plane.json", "clicks.csv", "-o", "world.csv"];
+    folder.succeed(&[&["project", "--camera", "camera.json"], &inverse[..]].concat());
+    let run = folder.succeed(&["project", "--camera", "camera.json", "world.csv"]);
+    for (line, expected) in run.stdout.lines().skip(1).zip(clicks) {
+        let fields: Vec<_> = line.split(',').collect();
+        assert_eq!(fields[6], "ok", "{line}");
+        for (field, e) in fields[4..6].iter().zip(expected) {
+            assert!((field.parse::<f64>().unwrap() - e).abs() < 1e-10, "{line}");
+        }
+    }
+    folder
+}
+
+#[test]
+fn a_fisheye_projects_there_and_back_and_to_its_side() {
+    // Equidistant: a quarter turn is 100 · π/2 pixels, so (300, 150) is one radian to the right: 10 tan 1 on the ground.
+    let fisheye =
+        r#""model": "fisheye", "principal_distance": [100, 100], "principal_point": [200, 150]"#;
+    let ground = r#""point": [0, 0, 0], "normal": [0, 0, 1]"#;
+    let folder = there_and_back(fisheye, ground, &[[300.0, 150.0], [120.0, 40.0], [200.0, 150.0]]);
+    let world = folder.text("world.csv");
+    let x: f64 = world.lines().nth(1).unwrap().split(',').nth(1).unwrap().parse().unwrap();
+    assert!((x - 15.574077246549023).abs() < 1e-12, "{world}");
+    // A wall to the east, seen above the horizon too: (390, 150) is 1.9 radians from straight down.
+    let lens = format!(r#"{fisheye}, "k": [0.0312, -0.0147, 0.0063, -0.0011]"#);
+    let wall = r#""point": [5, 0, 0], "normal": [-1, 0, 0]"#;
+    let folder = there_and_back(&lens, wall, &[[390.0, 150.0], [300.0, 200.0], [350.0, 60.0]]);
+    let world = folder.text("world.csv");
+    let z: f64 = world.lines().nth(1).unwrap().split(',').nth(3).unwrap().parse().unwrap();
+    assert!(z > 10.0, "{world}");
+    // Straight down of the camera there is a wall of which nothing is seen: it runs along the line of sight.
+    folder.write("clicks.csv", "200,150\n");
+    let inverse = ["--inverse", "--plane", "plane.json", "clicks.csv"];
+    let run = folder.succeed(&[&["project", "--camera", "camera.json"], &inverse[..]].concat());
+    assert!(run.stdout.contains("the line of sight does not meet the surface"), "{}", run.stdout);
+}
+
+/// pycolmap 4.2.1, `img_from_cam` of (0.31, −0.22, 1), as in the library's `from_colmap`.
+#[test]
+fn a_line_of_colmap_projects_as_in_colmap() {
+    let colmap = r#""model": "colmap", "colmap_model": "SIMPLE_RADIAL", "parameters": [250, 200, 150, -0.11]"#;
+    let ground = r#""point": [0, 0, 0], "normal": [0, 0, 1]"#;
+    let folder = there_and_back(colmap, ground, &[[10.0, 20.0], [390.5, 280.0], [200.0, 150.0]]);
+    let colmap = r#""model": "colmap", "colmap_model": "SIMPLE_RADIAL", "parameters": [611.3, 513.4, 391.9, -0.11]"#;
+    folder.write("camera.json", document("camera", &looking_down([1000, 800], colmap)));
+    folder.write("points.csv", "3.1,2.2,0\n");
+    let run = folder.succeed(&["project", "--camera", "camera.json", "points.csv"]);
+    let fields: Vec<_> = run.stdout.lines().nth(1).unwrap().split(',').collect();
+    for (field, e) in fields[4..6].iter().zip([699.8908498149999, 259.55165496999996]) {
+        assert!((field.parse::<f64>().unwrap() - e).abs() < 1e-9, "{fields:?}");
+    }
+    folder.write(
+        "camera.json",
+        document("camera", &looking_down([9, 9], &colmap.replace(", -0.11", ""))),
+    );
+    let run = folder.run(&["project", "--camera", "camera.json", "points.csv"]);
+    let told = "camera.json: interior.parameters: has 3 entries, 4 are needed";
+    assert!(run.code == 1 && run.stderr.contains(told), "{}", run.stderr);
 }

@@ -1,7 +1,12 @@
 //! `collinear rectify`.
 
-use crate::support::{Folder, document, ground, label, map_view, pixel, vertical};
+use crate::support::{Folder, document, ground, label, looking_down, map_view, pixel, vertical};
+use collinear::nalgebra::Point2;
+use collinear_cli::rectify::Rectification;
+use collinear_io::Document;
+use collinear_io::camera::CameraFile;
 use collinear_io::picture::{Picture, write_picture};
+use collinear_io::plane::{PlaneFile, Rectangle};
 
 fn with_photograph(size: [u32; 2], lens: &str) -> Folder {
     let folder = Folder::new();
@@ -353,4 +358,158 @@ fn a_map_is_a_photograph_too() {
     folder.write("plane.json", plane(-1));
     let run = folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
     assert!(run.stderr.contains("left and right are exchanged"), "{}", run.stderr);
+}
+
+const FISHEYE: &str =
+    r#""model": "fisheye", "principal_distance": [100, 100], "principal_point": [150, 120]"#;
+
+/// Squares of 4 units, black and white.
+fn checkered(x: f64, y: f64) -> u8 {
+    if ((x / 4.0).floor() + (y / 4.0).floor()).rem_euclid(2.0) < 0.5 { 255 } else { 0 }
+}
+
+/// The ground of [`checkered`] as an equidistant fisheye 10 above it sees it, with f = 100; sky is grey.
+fn checkerboard(px: u32, py: u32) -> [u8; 3] {
+    let (x, y) = (f64::from(px) + 0.5 - 150.0, f64::from(py) + 0.5 - 120.0);
+    let r = x.hypot(y);
+    let angle = r / 100.0;
+    if angle >= std::f64::consts::FRAC_PI_2 {
+        return [128; 3];
+    }
+    let far = 10.0 * angle.tan() / r;
+    [checkered(x * far, -y * far); 3]
+}
+
+#[test]
+fn a_checkerboard_seen_by_a_fisheye_is_rectified_to_squares() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [300, 240], checkerboard);
+    folder.write("camera.json", document("camera", &looking_down([300, 240], FISHEYE)));
+    folder.write(
+        "plane.json",
+        ground(r#", "rectangle": { "left": -14, "bottom": -10, "right": 14, "top": 10 }"#),
+    );
+    let more = ["--size", "280x200", "--filter", "nearest", "-o", "out.png"];
+    folder.succeed(&[&rectify(&CAMERA)[..], &more].concat());
+    let out = folder.picture("out.png");
+    let mut compared = 0;
+    for y in 0..200 {
+        for x in 0..280 {
+            // A pixel of the photograph covers at most 10 (1 + tan²) / 100 = 0.4 units there, half of that about its centre.
+            let (a, b) = (f64::from(x) / 10.0 - 13.95, 9.95 - f64::from(y) / 10.0);
+            let from_edge = |c: f64| (c - 4.0 * (c / 4.0).round()).abs();
+            if from_edge(a) > 0.3 && from_edge(b) > 0.3 {
+                let c = checkered(a, b);
+                assert_eq!(pixel(&out, x, y), [c, c, c, 255], "({x}, {y})");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 35_000, "{compared}");
+}
+
+/// OpenCV 5.0.0, `fisheye.distortPoints` of (x/z, y/z) with K = (100.5, 99.25, 149.75, 119.5), whose pixel centres are
+/// integers, and D = (0.0312, −0.0147, 0.0063, −0.0011).
+const DISTORTED: [([f64; 2], [f64; 2]); 5] = [
+    ([-3.0, 2.0], [37.522238925432276, 193.3879289330073]),
+    ([1.25, -0.75], [235.0329806021271, 68.96665179247097]),
+    ([0.01, 0.02], [150.75484821670722, 121.48470020911822]),
+    ([2.5, 2.5], [244.73430692750964, 213.3029100751774]),
+    ([-0.4, -1.9], [126.51100880798654, 10.487742188210518]),
+];
+
+#[test]
+fn a_ground_is_looked_up_through_a_fisheye_where_opencv_says() {
+    let interior = r#""model": "fisheye", "principal_distance": [100.5, 99.25],
+        "principal_point": [150.25, 120], "k": [0.0312, -0.0147, 0.0063, -0.0011]"#;
+    let camera =
+        CameraFile::parse(&document("camera", &looking_down([300, 240], interior))).unwrap();
+    let plane = PlaneFile::parse(&ground("")).unwrap();
+    // 20 pixels a unit from (−40, 40): (x/z, y/z) is a twentieth of the way.
+    let rectangle = Rectangle { left: -40.0, bottom: -40.0, right: 40.0, top: 40.0 };
+    let made = Rectification::of_plane(&plane, &rectangle, &camera, 1600, 1600).unwrap();
+    assert!(made.through_lens() && made.homography().is_none() && !made.is_mirrored());
+    for ([x, y], [u, v]) in DISTORTED {
+        let screen = Point2::new(20.0 * (10.0 * x + 40.0), 20.0 * (10.0 * y + 40.0));
+        let found = made.map().at(&screen).unwrap();
+        assert!((found - Point2::new(u + 0.5, v + 0.5)).norm() < 1e-10, "{found} for ({x}, {y})");
+        // The slopes are those of its differences.
+        let slopes = made.map().jacobian(&screen).unwrap();
+        for (k, step) in [Point2::new(1e-3, 0.0), Point2::new(0.0, 1e-3)].iter().enumerate() {
+            let (a, b) = (screen + step.coords, screen - step.coords);
+            let difference = (made.map().at(&a).unwrap() - made.map().at(&b).unwrap()) / 2e-3;
+            assert!((slopes.column(k) - difference).norm() < 1e-7, "({x}, {y}): {slopes}");
+        }
+    }
+}
+
+#[test]
+fn a_ground_far_from_the_origin_is_looked_up_to_the_last_digits() {
+    let file = |[x, y]: [f64; 2]| {
+        let camera = format!(
+            r#""width": 300, "height": 240, "interior": {{ {FISHEYE} }},
+            "exterior": {{ "projection_center": [{x:?}, {y:?}, 10], "omega_phi_kappa": [0.5, -0.25, 2] }}"#
+        );
+        let plane =
+            document("plane", &format!(r#""point": [{x:?}, {y:?}, 0], "normal": [1, 2, 8]"#));
+        let camera = CameraFile::parse(&document("camera", &camera)).unwrap();
+        let rectangle = Rectangle { left: -5.0, bottom: -5.0, right: 5.0, top: 5.0 };
+        let plane = PlaneFile::parse(&plane).unwrap();
+        Rectification::of_plane(&plane, &rectangle, &camera, 100, 100).unwrap()
+    };
+    let (near, far) = (file([0.0, 0.0]), file([691_234.0, 5_334_321.0]));
+    for p in [[0.0, 0.0], [99.5, 3.25], [50.0, 50.0], [20.0, 100.0]].map(Point2::from) {
+        let (near, far) = (near.map().at(&p).unwrap(), far.map().at(&p).unwrap());
+        assert!((near - far).norm() < 1e-7, "{near} {far}");
+    }
+}
+
+#[test]
+fn a_quadrilateral_of_a_fisheye_becomes_the_picture() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [300, 240], checkerboard);
+    folder.write("camera.json", document("camera", &looking_down([300, 240], FISHEYE)));
+    // The corners of the ground's square from −8 to 8: 100 atan(0.8 √2) / √2 = 59.8477… pixels from the middle each way.
+    let d = 100.0 * (0.8 * 2.0_f64.sqrt()).atan() / 2.0_f64.sqrt();
+    let (l, r, t, b) = (150.0 - d, 150.0 + d, 120.0 - d, 120.0 + d);
+    let quad = format!("{l},{t} {r},{t} {r},{b} {l},{b}");
+    let more = ["--quad", &quad, "--camera", "camera.json", "--size", "160x160"];
+    let more = [&more[..], &["--filter", "nearest", "-o", "out.png"]].concat();
+    folder.succeed(&rectify(&more));
+    let out = folder.picture("out.png");
+    for (i, j) in [(0, 0), (1, 0), (3, 2), (2, 1), (3, 3), (0, 2)] {
+        // The middles of the 4 × 4 squares.
+        let c = checkered(4.0 * f64::from(i) - 6.0, 6.0 - 4.0 * f64::from(j));
+        assert_eq!(pixel(&out, 40 * i + 20, 40 * j + 20), [c, c, c, 255], "({i}, {j})");
+    }
+    // No homography leads into a fisheye.
+    let run = folder.run(&rectify(&[&more[..], &["--map-out", "map.json"]].concat()));
+    let told = "collinear: error: camera.json: interior.model: no homography is part of `fisheye`";
+    assert!(run.code == 1 && run.stderr.starts_with(told), "{}", run.stderr);
+    // A corner behind the camera is no corner of a plane before it.
+    folder.write(
+        "camera.json",
+        document("camera", &looking_down([300, 240], r#""model": "equirectangular""#)),
+    );
+    let more = ["--quad", "10,20 290,20 290,200 10,200", "--camera", "camera.json"];
+    let run = folder.run(&rectify(&[&more[..], &["--size", "16x16", "-o", "out.png"]].concat()));
+    let told = "collinear: error: --quad: corner (10, 20): the point lies behind the camera";
+    assert!(run.code == 1 && run.stderr.starts_with(told), "{}", run.stderr);
+}
+
+#[test]
+fn a_fisheye_in_the_plane_sees_it_as_a_line() {
+    let folder = Folder::new();
+    folder.draw("photo.png", [300, 240], checkerboard);
+    folder.write("camera.json", document("camera", &looking_down([300, 240], FISHEYE)));
+    folder.write("plane.json", document("plane", r#""point": [0, 0, 10], "normal": [1, 0, 0]"#));
+    let more = ["--size", "28x20", "-o", "out.png"];
+    let run = folder.run(&[&rectify(&CAMERA)[..], &more].concat());
+    let told = "plane.json: the camera lies in the plane and sees it as a line";
+    assert!(run.code == 1 && run.stderr.contains(told), "{}", run.stderr);
+    // Its edge sees the horizon.
+    folder.write("plane.json", ground(""));
+    let run = folder.run(&[&rectify(&CAMERA)[..], &more].concat());
+    let told = "plane.json: the plane's horizon is in view of the photograph";
+    assert!(run.code == 1 && run.stderr.contains(told), "{}", run.stderr);
 }

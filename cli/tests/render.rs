@@ -1,6 +1,6 @@
 //! `collinear render`.
 
-use crate::support::{Folder, document, label, map_view, pixel, vertical};
+use crate::support::{Folder, document, label, looking_down, map_view, pixel, vertical};
 
 fn scene(photographs: &str, polygons: &str, view: &str, rest: &str) -> String {
     document(
@@ -255,4 +255,46 @@ fn vertices_off_their_plane_are_told() {
     let run = folder.succeed(&["render", "scene.json", "-o", "view.jpg"]);
     // Two corners raised by 0.2 and two not: the best plane is 0.1 from each.
     assert!(run.stderr.contains("vertices lie up to 1.000e-1 off it"), "{}", run.stderr);
+}
+
+#[test]
+fn a_photograph_is_looked_up_through_any_central_model() {
+    // Red is 2 x at the centre of pixel x, and bilinear interpolation reproduces the ramp: red = 2 (u − ½).
+    let folder = Folder::new();
+    folder.draw("down.png", [100, 80], |x, y| [(2 * x) as u8, (3 * y) as u8, 0]);
+    let photographs =
+        r#""photographs": [{ "name": "down", "image": "down.png", "camera": "down.json" }],"#;
+    let ground = square(9.0, 0.0, r#""photograph": "down""#);
+    folder.write("scene.json", scene(photographs, &ground, &map_view(80, 60), ""));
+    let pixels = r#""principal_distance": [100, 100], "principal_point": [50, 40]"#;
+    for (model, radius) in [
+        (r#""model": "fisheye""#, f64::atan as fn(f64) -> f64),
+        (r#""model": "fisheye", "projection": "stereographic""#, |t| 2.0 * (0.5 * t.atan()).tan()),
+        // r_u = r/(1 + λ r²)
+        (r#""model": "division", "lambda": -0.25"#, |t| (1.0 - (1.0 + t * t).sqrt()) / (-0.5 * t)),
+        (r#""model": "rational", "k": [-0.5, 0, 0, 0, 0, 0]"#, |t| t * (1.0 - 0.5 * t * t)),
+    ] {
+        let camera = looking_down([100, 80], &format!("{model}, {pixels}"));
+        folder.write("down.json", document("camera", &camera));
+        folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+        let view = folder.picture("view.png");
+        for (x, y) in [(0, 0), (79, 0), (40, 30), (79, 59), (20, 50)] {
+            let (a, b) = ((f64::from(x) + 0.5 - 40.0) / 100.0, (f64::from(y) + 0.5 - 30.0) / 100.0);
+            let scale = radius(a.hypot(b)) / a.hypot(b);
+            let expected =
+                [2.0 * (50.0 + 100.0 * a * scale - 0.5), 3.0 * (40.0 + 100.0 * b * scale - 0.5)];
+            let found = pixel(&view, x, y);
+            for (f, e) in found.iter().zip(expected) {
+                assert!(
+                    (f64::from(*f) - e).abs() <= 0.51,
+                    "{model} ({x}, {y}): {found:?}, {expected:?}"
+                );
+            }
+        }
+    }
+    let fisheye = looking_down([80, 60], &format!(r#""model": "fisheye", {pixels}"#));
+    folder.write("scene.json", scene("", &square(1.0, 0.0, RED), &fisheye, ""));
+    let run = folder.run(&["render", "scene.json", "-o", "view.png"]);
+    let told = "scene.json: view.interior.model: is `fisheye`: a view has no lens, its model is `pinhole` or `orthographic`";
+    assert!(run.code == 1 && run.stderr.contains(told), "{}", run.stderr);
 }

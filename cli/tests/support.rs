@@ -124,6 +124,14 @@ pub(crate) fn vertical(width: u32, height: u32, lens: &str) -> String {
     )
 }
 
+/// The camera of [`vertical`] with any interior orientation.
+pub(crate) fn looking_down([width, height]: [u32; 2], interior: &str) -> String {
+    format!(
+        r#""width": {width}, "height": {height}, "interior": {{ {interior} }},
+        "exterior": {{ "projection_center": [0, 0, 10], "rotation_matrix": [[1, 0, 0], [0, -1, 0], [0, 0, -1]] }}"#
+    )
+}
+
 /// A parallel view straight down, north up, 10 pixels a unit, the origin in its middle.
 pub(crate) fn map_view(width: u32, height: u32) -> String {
     format!(

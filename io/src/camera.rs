@@ -1,6 +1,14 @@
 //! Camera files: one picture size, an interior and an exterior orientation.
 
+mod lens;
+mod raw;
+
+use collinear::camera::{COLMAP_MODELS, Panorama};
 use serde::{Deserialize, Serialize};
+
+pub use lens::{FisheyeProjection, Lens};
+
+use raw::RawInterior;
 
 use crate::check::{all_in_range, determinant, dot, finite, in_range, norm};
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
@@ -82,6 +90,34 @@ pub enum Interior {
         /// Decentring: p1, p2, in OpenCV's order.
         p: [f64; 2],
     },
+    /// A camera of one projection centre with another lens.
+    Lens {
+        /// fx and fy, pixels for each unit of the lens's plane.
+        principal_distance: [f64; 2],
+        /// Pixels.
+        principal_point: [f64; 2],
+        /// Pixels of x for each unit of the lens's y.
+        skew: f64,
+        /// Projection and distortion.
+        lens: Box<Lens>,
+    },
+    /// A panorama about the camera's y axis.
+    Panorama {
+        /// Equirectangular or cylindrical.
+        projection: Panorama,
+        /// Pixels for each radian, and down the cylinder for each radius. Without it the picture is a full turn wide, and an
+        /// equirectangular one half a turn high.
+        principal_distance: Option<[f64; 2]>,
+        /// The image of the z axis, pixels; without it the middle.
+        principal_point: Option<[f64; 2]>,
+    },
+    /// A camera as COLMAP's `cameras.txt` has it.
+    Colmap {
+        /// COLMAP's name of the model.
+        model: String,
+        /// In COLMAP's order.
+        parameters: Vec<f64>,
+    },
     /// A parallel projection along the z axis.
     Orthographic {
         /// Pixels for each world unit, along x and y.
@@ -140,6 +176,20 @@ impl CameraFile {
 }
 
 impl Interior {
+    /// The model's name in a file.
+    #[must_use]
+    pub fn model(&self) -> &'static str {
+        match self {
+            Self::Pinhole { .. } => "pinhole",
+            Self::Brown { .. } => "brown",
+            Self::Lens { lens, .. } => lens.model(),
+            Self::Panorama { projection: Panorama::Equirectangular, .. } => "equirectangular",
+            Self::Panorama { projection: Panorama::Cylindrical, .. } => "cylindrical",
+            Self::Colmap { .. } => "colmap",
+            Self::Orthographic { .. } => "orthographic",
+        }
+    }
+
     fn check(&self) -> Result<(), FieldError> {
         let distances = |values: &[f64]| {
             let [least, most] = PRINCIPAL_DISTANCE;
@@ -166,6 +216,17 @@ impl Interior {
                 finite("k", k)?;
                 finite("p", p)
             }
+            Self::Lens { principal_distance, principal_point, skew, lens } => {
+                distances(principal_distance)?;
+                pixels("principal_point", principal_point)?;
+                skewed(*skew)?;
+                lens.check()
+            }
+            Self::Panorama { principal_distance, principal_point, .. } => {
+                distances(principal_distance.as_ref().map_or(&[], |d| d))?;
+                pixels("principal_point", principal_point.as_ref().map_or(&[], |p| p))
+            }
+            Self::Colmap { model, parameters } => check_colmap(model, parameters),
             Self::Orthographic { pixels_per_unit, principal_point } => {
                 let [least, most] = PIXELS_PER_UNIT;
                 let expected = "a number from 1e-100 to 1e100";
@@ -176,6 +237,37 @@ impl Interior {
             }
         }
     }
+}
+
+/// Refuses a model that COLMAP does not have, another number of parameters, and those that the other models refuse.
+fn check_colmap(model: &str, parameters: &[f64]) -> Result<(), FieldError> {
+    let Some((_, names)) = COLMAP_MODELS.iter().find(|(name, _)| *name == model) else {
+        let known = COLMAP_MODELS.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let problem =
+            FieldProblem::UnknownName { what: "a COLMAP camera model", name: model.into(), known };
+        return Err(FieldError::new("colmap_model", problem));
+    };
+    let (found, expected) = (parameters.len(), names.len());
+    if found != expected {
+        let of = "the COLMAP model's parameters";
+        return Err(FieldError::new("parameters", FieldProblem::Count { found, expected, of }));
+    }
+    for (i, (name, value)) in names.iter().zip(parameters).enumerate() {
+        let field = format!("parameters[{i}]");
+        match *name {
+            "f" | "fx" | "fy" | "w" | "h" => {
+                let [least, most] = PRINCIPAL_DISTANCE;
+                let expected = "a number from 1e-6 to 1e9 (pixels)";
+                in_range(&field, *value, expected, |v| (least..=most).contains(&v))?;
+            }
+            "cx" | "cy" => {
+                let expected = "a number from -1e9 to 1e9 (pixels)";
+                in_range(&field, *value, expected, |v| v.abs() <= FARTHEST_PIXEL)?;
+            }
+            _ => in_range(&field, *value, "a finite number", |_| true)?,
+        }
+    }
+    Ok(())
 }
 
 impl Exterior {
@@ -219,110 +311,6 @@ fn check_rotation(field: &str, rows: &[[f64; 3]; 3]) -> Result<(), FieldError> {
         return Err(FieldError::new(field, FieldProblem::Mirrors));
     }
     Ok(())
-}
-
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Model {
-    Pinhole,
-    Brown,
-    Orthographic,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawInterior {
-    model: Model,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    principal_distance: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pixels_per_unit: Option<[f64; 2]>,
-    principal_point: [f64; 2],
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    skew: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    k: Option<[f64; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    p: Option<[f64; 2]>,
-}
-
-impl TryFrom<Object<RawInterior>> for Interior {
-    type Error = String;
-
-    fn try_from(Object(raw): Object<RawInterior>) -> Result<Self, String> {
-        let model = raw.model;
-        let name = match model {
-            Model::Pinhole => "pinhole",
-            Model::Brown => "brown",
-            Model::Orthographic => "orthographic",
-        };
-        let parallel = matches!(model, Model::Orthographic);
-        let misplaced = [
-            ("principal_distance", parallel && raw.principal_distance.is_some()),
-            ("pixels_per_unit", !parallel && raw.pixels_per_unit.is_some()),
-            ("skew", parallel && raw.skew.is_some()),
-            ("k", !matches!(model, Model::Brown) && raw.k.is_some()),
-            ("p", !matches!(model, Model::Brown) && raw.p.is_some()),
-        ];
-        if let Some((field, _)) = misplaced.iter().find(|(_, m)| *m) {
-            return Err(format!(
-                "the model `{name}` has no `{field}`: remove it or change the model"
-            ));
-        }
-        let missing = |field: &str| format!("the model `{name}` needs `{field}`");
-        let principal_point = raw.principal_point;
-        let skew = raw.skew.unwrap_or(0.0);
-        let distance = raw.principal_distance.ok_or_else(|| missing("principal_distance"));
-        Ok(match model {
-            Model::Pinhole => {
-                Self::Pinhole { principal_distance: distance?, principal_point, skew }
-            }
-            Model::Brown => Self::Brown {
-                principal_distance: distance?,
-                principal_point,
-                skew,
-                k: raw.k.unwrap_or_default(),
-                p: raw.p.unwrap_or_default(),
-            },
-            Model::Orthographic => Self::Orthographic {
-                pixels_per_unit: raw.pixels_per_unit.ok_or_else(|| missing("pixels_per_unit"))?,
-                principal_point,
-            },
-        })
-    }
-}
-
-impl From<Interior> for RawInterior {
-    fn from(interior: Interior) -> Self {
-        let empty = |model, principal_point| Self {
-            model,
-            principal_distance: None,
-            pixels_per_unit: None,
-            principal_point,
-            skew: None,
-            k: None,
-            p: None,
-        };
-        let unless_zero = |v: f64| (v != 0.0).then_some(v);
-        match interior {
-            Interior::Pinhole { principal_distance, principal_point, skew } => Self {
-                principal_distance: Some(principal_distance),
-                skew: unless_zero(skew),
-                ..empty(Model::Pinhole, principal_point)
-            },
-            Interior::Brown { principal_distance, principal_point, skew, k, p } => Self {
-                principal_distance: Some(principal_distance),
-                skew: unless_zero(skew),
-                k: Some(k),
-                p: Some(p),
-                ..empty(Model::Brown, principal_point)
-            },
-            Interior::Orthographic { pixels_per_unit, principal_point } => Self {
-                pixels_per_unit: Some(pixels_per_unit),
-                ..empty(Model::Orthographic, principal_point)
-            },
-        }
-    }
 }
 
 #[derive(Serialize, Deserialize)]

@@ -1,14 +1,18 @@
 //! From files to the library's types, and back.
 
+use std::sync::Arc;
+
+use collinear::ProjectionError;
 use collinear::camera::{
-    Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation, Orthographic, SensorModel,
+    Brown, BrownCamera, CentralCamera, CentralModel, ExteriorOrientation, Frame,
+    InteriorOrientation, Orthographic, Panorama, SensorModel, from_colmap,
 };
 use collinear::geometry::geodetic::GeoidGrid;
 use collinear::geometry::rotation::{OmegaPhiKappa, Quaternion, orthonormalised};
 use collinear::geometry::{Affine2, Homography, Plane};
 use collinear::mapping::polynomial::{Bilinear, Cubic, Quadratic};
 use collinear::mapping::{FractionalLinear, Map};
-use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
+use collinear::nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector3};
 
 use crate::camera::{CameraFile, Exterior, Interior, Rotation};
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
@@ -18,12 +22,14 @@ use crate::map::MapFile;
 use crate::plane::PlaneFile;
 
 /// The camera of a file, as the library has it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Camera {
     /// Without a lens.
     Pinhole(Frame<InteriorOrientation>),
-    /// With a lens.
+    /// With Brown's lens, which may do nothing.
     Brown(Frame<BrownCamera>),
+    /// With any other model that has one projection centre.
+    Central(Frame<Central>),
     /// A parallel projection.
     Orthographic(Orthographic),
 }
@@ -35,8 +41,30 @@ impl Camera {
         match self {
             Self::Pinhole(camera) => camera,
             Self::Brown(camera) => camera,
+            Self::Central(camera) => camera,
             Self::Orthographic(camera) => camera,
         }
+    }
+}
+
+/// A camera of one projection centre, of whichever model.
+#[derive(Clone, Debug)]
+pub struct Central(Arc<dyn CentralModel>);
+
+impl CentralModel for Central {
+    fn project_direction(&self, direction: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {
+        self.0.project_direction(direction)
+    }
+
+    fn project_direction_jacobian(
+        &self,
+        direction: &Vector3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+        self.0.project_direction_jacobian(direction)
+    }
+
+    fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
+        self.0.direction(image)
     }
 }
 
@@ -74,6 +102,34 @@ impl CameraFile {
                 let lens = Brown::new(*k, *p).map_err(in_field("interior.k"))?;
                 Camera::Brown(Frame::new(exterior, BrownCamera::new(interior, lens)))
             }
+            Interior::Lens { principal_distance, principal_point, skew, lens } => {
+                let interior = interior(*principal_distance, *principal_point, *skew)?;
+                let model = lens.central(interior).map_err(|(field, source)| {
+                    Error::from(ErrorKind::Library { field: format!("interior.{field}"), source })
+                })?;
+                Camera::Central(Frame::new(exterior, Central(model)))
+            }
+            Interior::Panorama { projection, principal_distance, principal_point } => {
+                let (width, height) = (f64::from(self.width), f64::from(self.height));
+                let turn = width / std::f64::consts::TAU;
+                let whole = match projection {
+                    Panorama::Equirectangular => [turn, height / std::f64::consts::PI],
+                    Panorama::Cylindrical => [turn, turn],
+                };
+                let middle = [0.5 * width, 0.5 * height];
+                let distance = principal_distance.unwrap_or(whole);
+                let interior = interior(distance, principal_point.unwrap_or(middle), 0.0)?;
+                let model = CentralCamera::ideal(interior, *projection);
+                Camera::Central(Frame::new(exterior, Central(Arc::new(model))))
+            }
+            Interior::Colmap { model, parameters } => {
+                let refused = in_field("interior.parameters");
+                if let Some(camera) = browns(model, parameters) {
+                    return Ok(Camera::Brown(Frame::new(exterior, camera.map_err(refused)?)));
+                }
+                let model = from_colmap(model, parameters).map_err(refused)?;
+                Camera::Central(Frame::new(exterior, Central(Arc::from(model))))
+            }
             Interior::Orthographic { pixels_per_unit: [sx, sy], principal_point: [x, y] } => {
                 let scale = Affine2::from_coefficients([*x, *sx, 0.0], [*y, 0.0, *sy]);
                 let camera = Orthographic::new(exterior, scale)
@@ -83,19 +139,22 @@ impl CameraFile {
         })
     }
 
-    /// The library's central camera; a pinhole has a lens without distortion.
+    /// The library's camera with Brown's lens; a pinhole has a lens without distortion. COLMAP's pinholes and `SIMPLE_RADIAL`,
+    /// `RADIAL` and `OPENCV` are such cameras.
     ///
     /// # Errors
-    /// As [`camera`](Self::camera), and [`FieldProblem::Unsupported`] for a parallel projection.
+    /// As [`camera`](Self::camera), and [`FieldProblem::Unsupported`] for every other model.
     pub fn frame(&self) -> Result<Frame<BrownCamera>, Error> {
         match self.camera()? {
             Camera::Pinhole(Frame { exterior, camera }) => {
                 Ok(Frame::new(exterior, BrownCamera::new(camera, Brown::none())))
             }
             Camera::Brown(frame) => Ok(frame),
-            Camera::Orthographic(_) => {
-                let expected = "a camera with a projection centre is needed, `pinhole` or `brown`";
-                let problem = FieldProblem::Unsupported { found: "orthographic".into(), expected };
+            Camera::Central(_) | Camera::Orthographic(_) => {
+                let expected =
+                    "a camera `pinhole` or `brown` is needed, or a `colmap` one that is either";
+                let found = self.interior.model().into();
+                let problem = FieldProblem::Unsupported { found, expected };
                 Err(FieldError::new("interior.model", problem).into())
             }
         }
@@ -236,6 +295,23 @@ impl GtxFile {
     pub fn geoid_grid(self) -> Result<GeoidGrid, Error> {
         GeoidGrid::new(self.layout, self.undulations_m).map_err(in_field(""))
     }
+}
+
+/// Those of COLMAP's models that are Brown's, so that they have a homography.
+fn browns(model: &str, parameters: &[f64]) -> Option<Result<BrownCamera, collinear::Error>> {
+    let (distance, point, [k1, k2, p1, p2]) = match (model, parameters) {
+        ("SIMPLE_PINHOLE", &[f, x, y]) => ([f, f], [x, y], [0.0; 4]),
+        ("PINHOLE", &[fx, fy, x, y]) => ([fx, fy], [x, y], [0.0; 4]),
+        ("SIMPLE_RADIAL", &[f, x, y, k]) => ([f, f], [x, y], [k, 0.0, 0.0, 0.0]),
+        ("RADIAL", &[f, x, y, k1, k2]) => ([f, f], [x, y], [k1, k2, 0.0, 0.0]),
+        ("OPENCV", &[fx, fy, x, y, ref lens @ ..]) => ([fx, fy], [x, y], lens.try_into().ok()?),
+        _ => return None,
+    };
+    let camera = || {
+        let interior = InteriorOrientation::new(distance, Point2::from(point), 0.0)?;
+        Ok(BrownCamera::new(interior, Brown::new([k1, k2, 0.0], [p1, p2])?))
+    };
+    Some(camera())
 }
 
 fn interior(

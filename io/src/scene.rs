@@ -168,10 +168,12 @@ impl Document for SceneFile {
             }
         }
         self.view.check().map_err(|e| e.under("view"))?;
-        if let CameraSource::Inline(CameraFile { interior: Interior::Brown { .. }, .. }) = self.view
+        if let CameraSource::Inline(CameraFile { interior, .. }) = &self.view
+            && !matches!(interior, Interior::Pinhole { .. } | Interior::Orthographic { .. })
         {
             let expected = "a view has no lens, its model is `pinhole` or `orthographic`";
-            let problem = FieldProblem::Unsupported { found: "brown".into(), expected };
+            let found = interior.model().into();
+            let problem = FieldProblem::Unsupported { found, expected };
             return Err(FieldError::new("view.interior.model", problem));
         }
         self.near.map_or(Ok(()), |n| in_range("near", n, "a finite number above 0", |v| v > 0.0))

@@ -1,6 +1,8 @@
 //! Cameras, planes and maps: what they refuse, in which words, and what they keep.
 
-use collinear_io::camera::{CameraFile, Exterior, Interior, Rotation};
+use collinear::camera::Panorama;
+use collinear::nalgebra::Point3;
+use collinear_io::camera::{CameraFile, Exterior, FisheyeProjection, Interior, Lens, Rotation};
 use collinear_io::map::MapFile;
 use collinear_io::plane::{PlaneFile, Rectangle};
 use collinear_io::{Document, ErrorKind, FieldProblem};
@@ -63,7 +65,7 @@ fn an_error_names_the_field_and_what_was_expected_there() {
         (
             "pinhole",
             "brwon",
-            "interior.model: expected one of `pinhole`, `brown`, `orthographic`, found `brwon` (line 3, column 32)",
+            "interior.model: expected one of `pinhole`, `brown`, `rational`, `metashape`, `fraser`, `fisheye`, `thin_prism_fisheye`, `fisheye624`, `field_of_view`, `division`, `unified`, `enhanced_unified`, `double_sphere`, `equirectangular`, `cylindrical`, `colmap`, `orthographic`, found `brwon` (line 3, column 32)",
         ),
     ] {
         assert_eq!(camera_error(from, to), expected);
@@ -364,11 +366,64 @@ fn interiors() -> impl Strategy<Value = Interior> {
     let pixel = || -1e9..1e9;
     let numbers = (prop::array::uniform2(distance), prop::array::uniform2(pixel()), pixel());
     let lens = (prop::array::uniform3(any_finite()), prop::array::uniform2(any_finite()));
-    (0..3, numbers, lens).prop_map(|(model, (scale, principal_point, skew), (k, p))| match model {
-        0 => Interior::Pinhole { principal_distance: scale, principal_point, skew },
-        1 => Interior::Brown { principal_distance: scale, principal_point, skew, k, p },
-        _ => Interior::Orthographic { pixels_per_unit: scale, principal_point },
-    })
+    (0..6, numbers, lens, lenses()).prop_map(
+        |(model, (scale, principal_point, skew), (k, p), lens)| match model {
+            0 => Interior::Pinhole { principal_distance: scale, principal_point, skew },
+            1 => Interior::Brown { principal_distance: scale, principal_point, skew, k, p },
+            2 => Interior::Panorama {
+                projection: if skew > 0.0 {
+                    Panorama::Equirectangular
+                } else {
+                    Panorama::Cylindrical
+                },
+                principal_distance: Some(scale).filter(|_| k[0] > 0.0),
+                principal_point: Some(principal_point).filter(|_| k[1] > 0.0),
+            },
+            3 => Interior::Colmap {
+                model: "RADIAL".into(),
+                parameters: vec![scale[0], principal_point[0], principal_point[1], p[0], p[1]],
+            },
+            4 => Interior::Orthographic { pixels_per_unit: scale, principal_point },
+            _ => Interior::Lens {
+                principal_distance: scale,
+                principal_point,
+                skew,
+                lens: Box::new(lens),
+            },
+        },
+    )
+}
+
+fn lenses() -> impl Strategy<Value = Lens> {
+    let projection = prop::sample::select(vec![
+        FisheyeProjection::Equidistant,
+        FisheyeProjection::Stereographic,
+        FisheyeProjection::Equisolid,
+        FisheyeProjection::Orthographic,
+    ]);
+    let millimetres = prop::option::of(1e-6..1e9);
+    (0..11, prop::array::uniform16(any_finite()), projection, millimetres).prop_map(
+        |(model, v, projection, principal_distance_mm)| {
+            let ([xi, alpha, beta, ..], [omega, lambda, ..]) = (v, v);
+            let k = [v[0], v[1], v[2]];
+            let (k4, k6) = ([v[0], v[1], v[2], v[3]], [v[0], v[1], v[2], v[3], v[4], v[5]]);
+            let (p, s, s2, tau) =
+                ([v[6], v[7]], [v[8], v[9], v[10], v[11]], [v[8], v[9]], [v[12], v[13]]);
+            match model {
+                0 => Lens::Rational { k: k6, p, s, tau },
+                1 => Lens::Metashape { k: k4, p: s },
+                2 => Lens::Fraser { k, p, b: tau, principal_distance_mm },
+                3 => Lens::Fisheye { projection, k: k4 },
+                4 => Lens::ThinPrismFisheye { k: k4, p, s: s2 },
+                5 => Lens::Fisheye624 { k: k6, p, s },
+                6 => Lens::FieldOfView { omega },
+                7 => Lens::Division { lambda },
+                8 => Lens::Unified { xi, k, p },
+                9 => Lens::EnhancedUnified { alpha, beta },
+                _ => Lens::DoubleSphere { xi, alpha },
+            }
+        },
+    )
 }
 
 fn rotations() -> impl Strategy<Value = Rotation> {
@@ -393,6 +448,8 @@ proptest! {
         projection_center in prop::array::uniform3(any_finite()),
     ) {
         let camera = CameraFile { width, height, interior, exterior: Exterior { projection_center, rotation } };
+        // What the library makes of it is its own matter, but it says so.
+        drop(camera.camera().map(|c| c.sensor().project(&Point3::new(1.0, 2.0, 3.0))));
         prop_assert_eq!(CameraFile::parse(&camera.to_json().unwrap()).unwrap(), camera);
     }
 

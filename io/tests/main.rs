@@ -3,6 +3,7 @@
 
 mod atomic;
 mod berlin;
+mod cameras;
 mod convert;
 mod documents;
 mod formats_page;

@@ -69,8 +69,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "BORDER", value_parser = BorderChoice::parse)]
     border: Option<BorderChoice>,
 
-    /// Write the homography used, photograph from picture, as a map file (JSON). With a lens it leads into
-    /// the photograph without its lens errors
+    /// Write the homography used, photograph from picture, as a map file (JSON). With a lens `brown`
+    /// it leads into the photograph without its lens errors, other models than `pinhole`, `brown` and
+    /// `orthographic` have none
     #[arg(long, value_name = "MAP.json")]
     map_out: Option<PathBuf>,
 }
@@ -143,6 +144,15 @@ impl Arguments {
             }
             _ => return Err(anyhow!("one of --plane (with --camera) and --quad is needed")),
         };
+        if let (Some(_), Some(file), Some(camera), None) =
+            (&self.map_out, &self.camera, &camera, rectification.homography())
+        {
+            let model = camera.interior.model();
+            return Err(in_file(
+                file,
+                anyhow!("interior.model: no homography is part of `{model}`, leave out --map-out"),
+            ));
+        }
         let photograph = self.photograph(camera.as_ref())?;
         let bar = progress_bar("rectifying");
         let rectified =
@@ -164,8 +174,8 @@ impl Arguments {
                 }
             ));
         }
-        if let Some(path) = &self.map_out {
-            let m = rectification.homography().matrix();
+        if let (Some(path), Some(homography)) = (&self.map_out, rectification.homography()) {
+            let m = homography.matrix();
             let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)]));
             let text = MapFile::Homography { matrix: rows }.to_json()?;
             write_atomically(path, |w| w.write_all(text.as_bytes()))?;

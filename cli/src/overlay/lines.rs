@@ -9,16 +9,17 @@ use collinear_io::camera::CameraFile;
 use collinear_io::convert::Camera;
 
 use super::Figure;
+use super::curves::Curves;
 use crate::rectify::border;
 
 /// A line may leave its curve by this much, in pixels; half of what is promised, since three places of it are measured.
-const TOLERANCE: f64 = 0.05;
+pub(super) const TOLERANCE: f64 = 0.05;
 
 /// A line is halved at most so often. Each time divides its error by four: one of ten thousand pixels needs nine.
 const DEPTH: u32 = 12;
 
 /// Lines are drawn as far as this part beyond the picture.
-const MARGIN: f64 = 0.1;
+pub(super) const MARGIN: f64 = 0.1;
 
 /// The near plane, as a part of the distance of the farthest vertex.
 const NEAR: f64 = 1e-9;
@@ -27,12 +28,14 @@ const NEAR: f64 = 1e-9;
 const BEFORE_FOLD: f64 = 1e-9;
 
 /// Steps of a search along an edge: enough for the last bit of its parameter.
-const STEPS: u32 = 128;
+pub(super) const STEPS: u32 = 128;
 
 /// What turns edges into lines.
 #[derive(Debug)]
 pub(super) struct Tracer {
     camera: Camera,
+    /// Where the camera is neither a perspective with Brown's lens nor parallel.
+    curves: Option<Curves>,
     width: f64,
     height: f64,
     /// The cone about the z axis in which edges are drawn: the tangent of its angle.
@@ -48,14 +51,18 @@ impl Tracer {
             Camera::Brown(frame) => {
                 reach(file, &frame.camera, frame.camera.distortion().fold_radius())?
             }
-            Camera::Orthographic(_) => f64::INFINITY,
+            Camera::Central(_) | Camera::Orthographic(_) => f64::INFINITY,
+        };
+        let curves = match &camera {
+            Camera::Central(frame) => Some(Curves::new(file, frame)),
+            _ => None,
         };
         let center = Point3::from(file.exterior.projection_center);
         let distance = |p: &Point3<f64>| (p - center).norm();
         let farthest =
             figures.iter().flat_map(|f| f.edges.iter().flatten()).map(distance).fold(0.0, f64::max);
         let (width, height) = (f64::from(file.width), f64::from(file.height));
-        Ok(Self { camera, width, height, reach, near: NEAR * farthest })
+        Ok(Self { camera, curves, width, height, reach, near: NEAR * farthest })
     }
 
     /// The image of a point, if it is in the picture.
@@ -65,8 +72,16 @@ impl Tracer {
         inside.then_some(p)
     }
 
-    /// The visible part of an edge.
-    pub(super) fn trace(&self, edge: &[Point3<f64>; 2]) -> Option<Vec<Point2<f64>>> {
+    /// The visible parts of an edge.
+    pub(super) fn trace(&self, edge: &[Point3<f64>; 2]) -> Vec<Vec<Point2<f64>>> {
+        match &self.curves {
+            Some(curves) => curves.trace(edge),
+            None => self.trace_one(edge).into_iter().collect(),
+        }
+    }
+
+    /// The visible part of an edge, of which there is no more than one.
+    fn trace_one(&self, edge: &[Point3<f64>; 2]) -> Option<Vec<Point2<f64>>> {
         match &self.camera {
             Camera::Pinhole(frame) => {
                 let [a, b] = self.ideal(frame.exterior.pose(), edge)?;
@@ -76,6 +91,7 @@ impl Tracer {
                 let [a, b] = self.ideal(frame.exterior.pose(), edge)?;
                 bend(&frame.camera, a, b)
             }
+            Camera::Central(_) => None,
             Camera::Orthographic(camera) => {
                 let [a, b] = edge.map(|p| camera.project(&p).ok());
                 self.inside(a?, b?).map(Vec::from)
@@ -163,7 +179,7 @@ fn bend(camera: &dyn CentralModel, a: Point2<f64>, b: Point2<f64>) -> Option<Vec
 }
 
 /// Distance of a point from a line segment.
-fn distance(p: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) -> f64 {
+pub(super) fn distance(p: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) -> f64 {
     let (d, r) = (b - a, p - a);
     let along = (d.dot(&r) / d.norm_squared()).clamp(0.0, 1.0);
     // A segment without length has no direction.

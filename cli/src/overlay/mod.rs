@@ -1,5 +1,6 @@
 //! Wire frames over the photograph they were measured in (Weinhaus & Devarajan 1997, figure 8b).
 
+mod curves;
 mod lines;
 mod obj;
 mod png;
@@ -120,7 +121,7 @@ pub struct Drawing {
     pub name: Option<String>,
     /// Red, green, blue.
     pub color: [u8; 3],
-    /// Its visible edges: vertices of polylines, in pixels.
+    /// The visible parts of its edges: vertices of polylines, in pixels.
     pub lines: Vec<Vec<Point2<f64>>>,
     /// Where its name stands, in pixels, if that is in the picture.
     pub label: Option<Point2<f64>>,
@@ -149,7 +150,7 @@ impl Overlay {
         Ok(Self { width: camera.width, height: camera.height, drawings })
     }
 
-    /// Visible edges.
+    /// Lines: visible edges, those of a curved picture perhaps in several parts.
     #[must_use]
     pub fn line_count(&self) -> usize {
         self.drawings.iter().map(|d| d.lines.len()).sum()
