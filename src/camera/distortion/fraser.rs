@@ -111,6 +111,10 @@ impl OneToOne for Fraser {
         self.planar.radial(radius)
     }
 
+    fn is_radial(&self) -> bool {
+        false
+    }
+
     /// In the order K₁, K₂, K₃, P₁, P₂, b₁, b₂.
     fn columns(&self, p: &Point2<f64>, out: &mut [Vector2<f64>]) {
         let mut all = [Vector2::zeros(); 7];

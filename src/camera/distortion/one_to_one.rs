@@ -49,6 +49,8 @@ pub(super) trait OneToOne: Copy {
     fn reach(&self, radius: f64) -> f64;
     /// The radial part of the formula, r·f(r), and its slope.
     fn radial(&self, radius: f64) -> [f64; 2];
+    /// Whether the formula is its radial part.
+    fn is_radial(&self) -> bool;
     /// ∂(x″, y″)/∂ of each coefficient.
     fn columns(&self, p: &Point2<f64>, out: &mut [Vector2<f64>]);
 
@@ -126,6 +128,14 @@ fn start(
     radius: f64,
 ) -> Result<Point2<f64>, ProjectionError> {
     let fold = lens.fold_radius();
+    if !lens.is_radial() && radius < 0.5 * fold && radius < 1.0 {
+        let [value, slope] = lens.radial(radius);
+        // Far from the fold a mild lens leaves the point near enough to itself; where the steps in the plane are needed
+        // in any case, two more cost less than the search along the radius.
+        if (value - radius).abs() < 0.3 * radius && slope > 0.3 {
+            return Ok(*distorted);
+        }
+    }
     let mut high = radius;
     if radius >= fold {
         let limit = lens.reach(fold);

@@ -296,6 +296,11 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> OneToOne for Pl
         [radius * ratio, ratio + 2.0 * r2 * slope]
     }
 
+    #[inline]
+    fn is_radial(&self) -> bool {
+        T == 0 && !S
+    }
+
     /// In the order k, d, p, q, s.
     fn columns(&self, point: &Point2<f64>, out: &mut [Vector2<f64>]) {
         let (x, y) = (point.x, point.y);
