@@ -62,3 +62,20 @@ pub(super) fn moved<P: Parametrised>(model: &P, step: &[f64]) -> Result<P, Error
     }
     model.with_values(&values[..len])
 }
+
+/// [`Parametrised`] of a formula without parameters.
+macro_rules! no_parameters {
+    ($name:ident, $what:literal) => {
+        impl $crate::camera::Parametrised for $name {
+            const NAME: &'static str = $what;
+            const PARAMETERS: &'static [&'static str] = &[];
+
+            fn values(&self, _: &mut [f64]) {}
+
+            fn with_values(&self, _: &[f64]) -> Result<Self, $crate::error::Error> {
+                Ok(*self)
+            }
+        }
+    };
+}
+pub(super) use no_parameters;

@@ -3,8 +3,8 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use super::radial::{Radial, below, radial_projection};
-use crate::camera::Parametrised;
-use crate::error::{Error, ProjectionError};
+use crate::camera::parameters;
+use crate::error::ProjectionError;
 use crate::numeric::float;
 
 /// A fisheye without errors: the radius is a function of the angle θ from the axis.
@@ -54,16 +54,7 @@ pub enum Fisheye {
 
 radial_projection!(Fisheye);
 
-impl Parametrised for Fisheye {
-    const NAME: &'static str = "fisheye projection";
-    const PARAMETERS: &'static [&'static str] = &[];
-
-    fn values(&self, _: &mut [f64]) {}
-
-    fn with_values(&self, _: &[f64]) -> Result<Self, Error> {
-        Ok(*self)
-    }
-}
+parameters::no_parameters!(Fisheye, "fisheye projection");
 
 impl Radial for Fisheye {
     fn radius(&self, rho: f64, z: f64) -> Result<[f64; 3], ProjectionError> {

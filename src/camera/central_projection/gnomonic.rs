@@ -3,8 +3,8 @@
 use nalgebra::{Matrix2x3, Point2, Vector2, Vector3};
 
 use super::CentralProjection;
-use crate::camera::{Parametrised, collinearity};
-use crate::error::{Error, ProjectionError};
+use crate::camera::{collinearity, parameters};
+use crate::error::ProjectionError;
 
 /// The central perspective, as of a pinhole: straight lines stay straight.
 ///
@@ -29,16 +29,7 @@ use crate::error::{Error, ProjectionError};
 #[doc(alias("pinhole", "perspective", "rectilinear"))]
 pub struct Gnomonic;
 
-impl Parametrised for Gnomonic {
-    const NAME: &'static str = "central perspective";
-    const PARAMETERS: &'static [&'static str] = &[];
-
-    fn values(&self, _: &mut [f64]) {}
-
-    fn with_values(&self, _: &[f64]) -> Result<Self, Error> {
-        Ok(*self)
-    }
-}
+parameters::no_parameters!(Gnomonic, "central perspective");
 
 impl CentralProjection for Gnomonic {
     #[inline]

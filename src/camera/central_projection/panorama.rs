@@ -5,9 +5,9 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Matrix2x3, Point2, Vector2, Vector3};
 
 use super::CentralProjection;
-use crate::camera::Parametrised;
 use crate::camera::collinearity::finite;
-use crate::error::{Error, ProjectionError};
+use crate::camera::parameters;
+use crate::error::ProjectionError;
 use crate::numeric::float;
 
 /// A panorama: the sphere or the cylinder unrolled about the camera's y axis.
@@ -48,16 +48,7 @@ pub enum Panorama {
     Cylindrical,
 }
 
-impl Parametrised for Panorama {
-    const NAME: &'static str = "panorama";
-    const PARAMETERS: &'static [&'static str] = &[];
-
-    fn values(&self, _: &mut [f64]) {}
-
-    fn with_values(&self, _: &[f64]) -> Result<Self, Error> {
-        Ok(*self)
-    }
-}
+parameters::no_parameters!(Panorama, "panorama");
 
 impl CentralProjection for Panorama {
     fn plane(&self, d: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {

@@ -28,9 +28,9 @@ pub use metashape::Metashape;
 pub use rational::Rational;
 pub use thin_prism::{RadialTangentialThinPrism, ThinPrism};
 
-use super::Parametrised;
 use super::collinearity::finite;
-use crate::error::{Error, ProjectionError};
+use super::{Parametrised, parameters};
+use crate::error::ProjectionError;
 use crate::numeric::polynomial;
 
 /// A map of the image plane by a lens.
@@ -92,16 +92,7 @@ pub struct Undistorted {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoDistortion;
 
-impl Parametrised for NoDistortion {
-    const NAME: &'static str = "no distortion";
-    const PARAMETERS: &'static [&'static str] = &[];
-
-    fn values(&self, _: &mut [f64]) {}
-
-    fn with_values(&self, _: &[f64]) -> Result<Self, Error> {
-        Ok(*self)
-    }
-}
+parameters::no_parameters!(NoDistortion, "no distortion");
 
 impl Distortion for NoDistortion {
     fn distort(&self, ideal: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
