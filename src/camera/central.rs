@@ -168,13 +168,11 @@ impl<P: CentralProjection, D: Distortion> CentralCamera<P, D> {
         let (distorted, by_plane) = self.distortion.distort_jacobian(&plane)?;
         let image = collinearity::finite(self.interior.pixel_from_normalised(&distorted))?;
         let pixel_by_plane = self.interior.axes() * by_plane;
-        Ok(Trace {
-            plane,
-            distorted,
-            image,
-            pixel_by_plane,
-            jacobian: pixel_by_plane * by_direction,
-        })
+        let jacobian = pixel_by_plane * by_direction;
+        if !jacobian.iter().all(|e| e.is_finite()) {
+            return Err(ProjectionError::NotFinite);
+        }
+        Ok(Trace { plane, distorted, image, pixel_by_plane, jacobian })
     }
 }
 

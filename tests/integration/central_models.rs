@@ -9,6 +9,7 @@ use collinear::camera::{
     ThinPrism, UnifiedSphere, from_colmap,
 };
 use collinear::nalgebra::{Point2, Point3, Vector2, Vector3};
+use proptest::prelude::*;
 use serde_json::Value;
 
 fn numbers(v: &Value) -> Vec<f64> {
@@ -375,4 +376,61 @@ fn folds_of_rational_and_corrected_lenses_by_hand() {
     // ∂x̂/∂x̄ = 1 − 3x̄² − 0.19 on the x axis.
     let lens = Fraser::new([-1.0, 0.0, 0.0], [0.0; 2], [-0.19, 0.0]).unwrap();
     assert!((lens.fold_radius() - 0.27f64.sqrt()).abs() < 1e-15);
+}
+
+/// A model of any numbers through any numbers: an answer or an error, and what it answers is a number.
+fn any_model<P: CentralProjection, D: Distortion>(projection: P, distortion: D, v: [f64; 3]) {
+    let interior = InteriorOrientation::new([600.0; 2], Point2::new(500.0, 400.0), 0.0).unwrap();
+    let camera = CentralCamera::from_parts(interior, projection, distortion);
+    let finite = |p: &Point2<f64>| p.x.is_finite() && p.y.is_finite();
+    let direction = Vector3::from(v);
+    if let Ok(p) = camera.project_direction(&direction) {
+        assert!(finite(&p), "{camera:?} {direction}");
+    }
+    if let Ok((p, slopes)) = camera.project_direction_jacobian(&direction) {
+        assert!(finite(&p) && !slopes.iter().any(|s| s.is_nan()), "{camera:?} {direction}");
+    }
+    if let Ok(d) = camera.direction(&Point2::new(v[0], v[1])) {
+        assert!((d.norm() - 1.0).abs() < 1e-9, "{camera:?} {v:?} {d}");
+    }
+    let (mut object, mut groups) = ([0.0; 6], vec![vec![0.0; 10]; 3]);
+    for (group, block) in groups.iter_mut().enumerate() {
+        *block = vec![0.0; camera.parameter_group(group).map_or(0, |g| 2 * g.len)];
+    }
+    let mut slices: Vec<&mut [f64]> = groups.iter_mut().map(Vec::as_mut_slice).collect();
+    let _ = camera.partials(&Point3::from(v), &mut object, &mut slices);
+    let mut many = [Point2::new(v[0], v[1]); 40];
+    let report = camera.distortion().undistort_many(&mut many);
+    assert_eq!(report.converged + report.failed, 40);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+    #[test]
+    fn any_numbers_make_a_model_or_an_error(
+        c in prop::array::uniform14(prop_oneof![any::<f64>(), -1.0..1.0f64]),
+        v in prop::array::uniform3(prop_oneof![any::<f64>(), -3.0..3.0f64]),
+    ) {
+        let [a, b, d, e, f, g, h, i, ..] = c;
+        if let Ok(lens) = Brown::new([a, b, d], [e, f]) { any_model(Gnomonic, lens, v); }
+        if let Ok(lens) = Rational::from_opencv(&c) { any_model(Gnomonic, lens, v); }
+        if let Ok(lens) = Rational::from_opencv(&c[..8]) { any_model(Gnomonic, lens, v); }
+        if let Ok(lens) = Metashape::new([a, b, d, e], [f, g, h, i]) { any_model(Gnomonic, lens, v); }
+        if let Ok(lens) = Fraser::new([a, b, d], [e, f], [g, h]) { any_model(Gnomonic, lens, v); }
+        let fisheye = Fisheye::Equidistant;
+        if let Ok(lens) = EvenRadial::new([a, b, d, e]) { any_model(fisheye, lens, v); }
+        if let Ok(lens) = ThinPrism::new([a, b, d, e], [f, g], [h, i]) { any_model(fisheye, lens, v); }
+        let (k, p, s) = ([a, b, d, e, f, g], [h, i], [c[8], c[9], c[10], c[11]]);
+        if let Ok(lens) = RadialTangentialThinPrism::new(k, p, s) { any_model(fisheye, lens, v); }
+        for ideal in [fisheye, Fisheye::Stereographic, Fisheye::Equisolid, Fisheye::Orthographic] {
+            any_model(ideal, NoDistortion, v);
+        }
+        if let Ok(lens) = FieldOfView::new(a) { any_model(lens, NoDistortion, v); }
+        if let Ok(lens) = Division::new(a) { any_model(lens, NoDistortion, v); }
+        if let Ok(lens) = UnifiedSphere::new(a) { any_model(lens, NoDistortion, v); }
+        if let Ok(lens) = EnhancedUnified::new(a, b) { any_model(lens, NoDistortion, v); }
+        if let Ok(lens) = DoubleSphere::new(a, b) { any_model(lens, NoDistortion, v); }
+        any_model(Panorama::Equirectangular, NoDistortion, v);
+        any_model(Panorama::Cylindrical, NoDistortion, v);
+    }
 }

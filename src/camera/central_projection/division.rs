@@ -45,16 +45,16 @@ impl Division {
     /// From λ, for radii in units of the principal distance.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::OutOfRange`] beyond 10¹⁰⁰.
+    /// [`Error::NotFinite`]; [`Error::OutOfRange`] beyond 10³⁰.
     pub fn new(lambda: f64) -> Result<Self, Error> {
         if !lambda.is_finite() {
             return Err(Error::NotFinite { what: "lambda of a division lens" });
         }
-        if lambda.abs() > 1e100 {
+        if lambda.abs() > 1e30 {
             return Err(Error::OutOfRange {
                 what: "lambda of a division lens",
                 value: lambda,
-                expected: "at most 1e100 in magnitude",
+                expected: "at most 1e30 in magnitude",
             });
         }
         Ok(Self { lambda })

@@ -107,7 +107,7 @@ pub(super) fn parameter_partials(
 }
 
 /// Squares of a plane point's radius stay within the numbers.
-const LARGEST_RADIUS: f64 = 1e150;
+const LARGEST_RADIUS: f64 = 1e100;
 
 /// The unit vector along (ρ, z).
 pub(super) fn unit(rho: f64, z: f64) -> [f64; 2] {

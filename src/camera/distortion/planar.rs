@@ -92,6 +92,9 @@ fn decentering<V: Scalar>([x, y]: [V; 2], r2: V, p: &[V; 2]) -> [V; 2] {
     [p[0] * xy + p[1] * (r2 + (x * x).scale(2.0)), p[0] * (r2 + (y * y).scale(2.0)) + p[1] * xy]
 }
 
+/// The largest coefficient: their products in the fold's polynomial stay within the numbers.
+const LARGEST: f64 = 1e30;
+
 /// A polynomial in r.
 type InRadius = [f64; MAX_COEFFICIENTS];
 
@@ -137,6 +140,13 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> Planar<N, D, T,
         let given = [&k[..], &d, &p, &q, &s];
         if !given.iter().all(|c| c.iter().all(finite)) {
             return Err(Error::NotFinite { what: "distortion coefficient" });
+        }
+        if let Some(value) = given.into_iter().flatten().find(|c| c.abs() > LARGEST) {
+            return Err(Error::OutOfRange {
+                what: "distortion coefficient",
+                value: *value,
+                expected: "at most 1e30 in magnitude",
+            });
         }
         let ([n, rn], [den, rd]) = (even(&k), even(&d));
         let size = |a: f64, b: f64| float::hypot(a, b);
