@@ -249,7 +249,7 @@ fn a_model_has_its_own_fields_and_numbers_of_its_own_domain() {
         ),
         (
             r#""model": "fisheye", PIXELS, "k": [-1e308, 0, 0, 0]"#,
-            "interior.k: distortion fold radius is ",
+            "interior.k: distortion coefficient is -1e308, expected at most 1e30 in magnitude",
         ),
         (
             r#""model": "cylindrical", "principal_distance": [0, 1]"#,
