@@ -5,7 +5,7 @@ use std::sync::Arc;
 use collinear::ProjectionError;
 use collinear::camera::{
     Brown, BrownCamera, CentralCamera, CentralModel, ExteriorOrientation, Frame,
-    InteriorOrientation, Orthographic, Panorama, SensorModel, from_colmap,
+    InteriorOrientation, Orthographic, SensorModel, brown_from_colmap, from_colmap,
 };
 use collinear::geometry::geodetic::GeoidGrid;
 use collinear::geometry::rotation::{OmegaPhiKappa, Quaternion, orthonormalised};
@@ -111,12 +111,8 @@ impl CameraFile {
             }
             Interior::Panorama { projection, principal_distance, principal_point } => {
                 let (width, height) = (f64::from(self.width), f64::from(self.height));
-                let turn = width / std::f64::consts::TAU;
-                let whole = match projection {
-                    Panorama::Equirectangular => [turn, height / std::f64::consts::PI],
-                    Panorama::Cylindrical => [turn, turn],
-                };
                 let middle = [0.5 * width, 0.5 * height];
+                let whole = projection.principal_distance(width, height);
                 let distance = principal_distance.unwrap_or(whole);
                 let interior = interior(distance, principal_point.unwrap_or(middle), 0.0)?;
                 let model = CentralCamera::ideal(interior, *projection);
@@ -124,8 +120,8 @@ impl CameraFile {
             }
             Interior::Colmap { model, parameters } => {
                 let refused = in_field("interior.parameters");
-                if let Some(camera) = browns(model, parameters) {
-                    return Ok(Camera::Brown(Frame::new(exterior, camera.map_err(refused)?)));
+                if let Some(camera) = brown_from_colmap(model, parameters).map_err(&refused)? {
+                    return Ok(Camera::Brown(Frame::new(exterior, camera)));
                 }
                 let model = from_colmap(model, parameters).map_err(refused)?;
                 Camera::Central(Frame::new(exterior, Central(Arc::from(model))))
@@ -295,23 +291,6 @@ impl GtxFile {
     pub fn geoid_grid(self) -> Result<GeoidGrid, Error> {
         GeoidGrid::new(self.layout, self.undulations_m).map_err(in_field(""))
     }
-}
-
-/// Those of COLMAP's models that are Brown's, so that they have a homography.
-fn browns(model: &str, parameters: &[f64]) -> Option<Result<BrownCamera, collinear::Error>> {
-    let (distance, point, [k1, k2, p1, p2]) = match (model, parameters) {
-        ("SIMPLE_PINHOLE", &[f, x, y]) => ([f, f], [x, y], [0.0; 4]),
-        ("PINHOLE", &[fx, fy, x, y]) => ([fx, fy], [x, y], [0.0; 4]),
-        ("SIMPLE_RADIAL", &[f, x, y, k]) => ([f, f], [x, y], [k, 0.0, 0.0, 0.0]),
-        ("RADIAL", &[f, x, y, k1, k2]) => ([f, f], [x, y], [k1, k2, 0.0, 0.0]),
-        ("OPENCV", &[fx, fy, x, y, ref lens @ ..]) => ([fx, fy], [x, y], lens.try_into().ok()?),
-        _ => return None,
-    };
-    let camera = || {
-        let interior = InteriorOrientation::new(distance, Point2::from(point), 0.0)?;
-        Ok(BrownCamera::new(interior, Brown::new([k1, k2, 0.0], [p1, p2])?))
-    };
-    Some(camera())
 }
 
 fn interior(

@@ -1,6 +1,6 @@
 //! The camera of one centre: projection, distortion, interior orientation.
 
-use nalgebra::{Matrix2x3, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Point2, Point3, Vector2, Vector3};
 
 use super::interior::INTERIOR;
 use super::{
@@ -187,7 +187,7 @@ struct Trace {
     plane: Point2<f64>,
     distorted: Point2<f64>,
     image: Point2<f64>,
-    pixel_by_plane: nalgebra::Matrix2<f64>,
+    pixel_by_plane: Matrix2<f64>,
     jacobian: Matrix2x3<f64>,
 }
 
@@ -212,11 +212,12 @@ impl<P: CentralProjection, D: Distortion> CentralModel for CentralCamera<P, D> {
     }
 }
 
-/// Writes columns as two rows, where the slice has their length.
-fn write_columns(columns: &[Vector2<f64>], out: &mut [f64]) {
+/// Writes columns, brought to pixels, as two rows, where the slice has their length.
+fn write_columns(columns: &[Vector2<f64>], to_pixels: &Matrix2<f64>, out: &mut [f64]) {
     let len = columns.len();
     if out.len() == 2 * len {
         for (i, column) in columns.iter().enumerate() {
+            let column = to_pixels * column;
             out[i] = column.x;
             out[len + i] = column.y;
         }
@@ -260,26 +261,24 @@ impl<P: CentralProjection, D: Distortion> Adjustable for CentralCamera<P, D> {
         collinearity::write_rows(&trace.jacobian, by_object);
         for (group, out) in by_group.iter_mut().enumerate().filter(|(_, out)| !out.is_empty()) {
             let mut columns = [Vector2::zeros(); parameters::MOST];
-            match Self::part(group) {
-                Some(Part::Interior) => InteriorOrientation::write_partials(&trace.distorted, out),
+            let (columns, pixel_by_columns) = match Self::part(group) {
+                Some(Part::Interior) => {
+                    InteriorOrientation::write_partials(&trace.distorted, out);
+                    continue;
+                }
                 Some(Part::Projection) => {
                     let columns = &mut columns[..P::PARAMETERS.len()];
                     self.projection.parameter_partials(&object.coords, columns);
-                    for column in columns.iter_mut() {
-                        *column = trace.pixel_by_plane * *column;
-                    }
-                    write_columns(columns, out);
+                    (columns, trace.pixel_by_plane)
                 }
                 Some(Part::Distortion) => {
                     let columns = &mut columns[..D::PARAMETERS.len()];
                     self.distortion.parameter_partials(&trace.plane, columns);
-                    for column in columns.iter_mut() {
-                        *column = self.interior.axes() * *column;
-                    }
-                    write_columns(columns, out);
+                    (columns, self.interior.axes())
                 }
-                None => {}
-            }
+                None => continue,
+            };
+            write_columns(columns, &pixel_by_columns, out);
         }
         Ok(trace.image)
     }

@@ -5,9 +5,9 @@ use alloc::boxed::Box;
 use nalgebra::Point2;
 
 use super::{
-    Brown, CentralCamera, CentralModel, Division, EnhancedUnified, EvenRadial, FieldOfView,
-    Fisheye, Gnomonic, InteriorOrientation, NoDistortion, Panorama, RadialTangentialThinPrism,
-    Rational, ThinPrism,
+    Brown, BrownCamera, CentralCamera, CentralModel, Division, EnhancedUnified, EvenRadial,
+    FieldOfView, Fisheye, Gnomonic, InteriorOrientation, NoDistortion, Panorama,
+    RadialTangentialThinPrism, Rational, ThinPrism,
 };
 use crate::error::Error;
 
@@ -63,32 +63,12 @@ pub const COLMAP_MODELS: [(&str, &[&str]); 18] = [
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn from_colmap(model: &str, parameters: &[f64]) -> Result<Box<dyn CentralModel>, Error> {
-    let Some((_, names)) = COLMAP_MODELS.iter().find(|(name, _)| *name == model) else {
-        return Err(Error::Unknown { what: "COLMAP camera model" });
-    };
-    let mismatch = Error::LengthMismatch {
-        what: "parameters of a COLMAP camera model",
-        left: names.len(),
-        right: parameters.len(),
-    };
-    if names.len() != parameters.len() {
-        return Err(mismatch);
-    }
-    if let &[w, h] = parameters {
+    let Some((interior, rest)) = interior(model, parameters)? else {
+        let [w, h] = super::parameters::read(parameters)?;
         let interior = InteriorOrientation::from_whole_panorama(w, h)?;
         return Ok(Box::new(CentralCamera::ideal(interior, Panorama::Equirectangular)));
-    }
-    let one_focal = names[0] == "f";
-    let (interior, rest) = match *parameters {
-        [f, cx, cy, ref rest @ ..] if one_focal => (([f, f], [cx, cy]), rest),
-        [fx, fy, cx, cy, ref rest @ ..] => (([fx, fy], [cx, cy]), rest),
-        _ => return Err(mismatch),
     };
-    let interior = InteriorOrientation::new(interior.0, Point2::from(interior.1), 0.0)?;
     let fisheye = Fisheye::Equidistant;
-    let brown = |k: [f64; 3], p| -> Result<Box<dyn CentralModel>, Error> {
-        Ok(Box::new(CentralCamera::from_parts(interior, Gnomonic, Brown::new(k, p)?)))
-    };
     let even = |k| -> Result<Box<dyn CentralModel>, Error> {
         Ok(Box::new(CentralCamera::from_parts(interior, fisheye, EvenRadial::new(k)?)))
     };
@@ -97,9 +77,6 @@ pub fn from_colmap(model: &str, parameters: &[f64]) -> Result<Box<dyn CentralMod
             Box::new(CentralCamera::from_parts(interior, Gnomonic, NoDistortion))
         }
         (_, &[]) => Box::new(CentralCamera::ideal(interior, fisheye)),
-        ("SIMPLE_RADIAL", &[k]) => brown([k, 0.0, 0.0], [0.0; 2])?,
-        ("RADIAL", &[k1, k2]) => brown([k1, k2, 0.0], [0.0; 2])?,
-        ("OPENCV", &[k1, k2, p1, p2]) => brown([k1, k2, 0.0], [p1, p2])?,
         ("FULL_OPENCV", &[k1, k2, p1, p2, k3, k4, k5, k6]) => {
             let lens = Rational::from_opencv(&[k1, k2, p1, p2, k3, k4, k5, k6])?;
             Box::new(CentralCamera::from_parts(interior, Gnomonic, lens))
@@ -123,6 +100,59 @@ pub fn from_colmap(model: &str, parameters: &[f64]) -> Result<Box<dyn CentralMod
         ("EUCM", &[alpha, beta]) => {
             Box::new(CentralCamera::ideal(interior, EnhancedUnified::new(alpha, beta)?))
         }
-        _ => return Err(mismatch),
+        _ => Box::new(brown(model, interior, rest)?.ok_or(UNKNOWN)?),
     })
+}
+
+/// The camera of a COLMAP model that is Brown's or has no lens: the pinholes, `SIMPLE_RADIAL`, `RADIAL` and `OPENCV`; `None` for
+/// the others. Such a camera has a homography for every plane.
+///
+/// # Errors
+/// As [`from_colmap`].
+pub fn brown_from_colmap(model: &str, parameters: &[f64]) -> Result<Option<BrownCamera>, Error> {
+    match interior(model, parameters)? {
+        Some((interior, lens)) => brown(model, interior, lens),
+        None => Ok(None),
+    }
+}
+
+const UNKNOWN: Error = Error::Unknown { what: "COLMAP camera model" };
+
+/// The interior orientation, with the lens parameters that follow it; `None` for a panorama. Refuses another name or number of
+/// parameters.
+fn interior<'a>(
+    model: &str,
+    parameters: &'a [f64],
+) -> Result<Option<(InteriorOrientation, &'a [f64])>, Error> {
+    let (_, names) = COLMAP_MODELS.iter().find(|(name, _)| *name == model).ok_or(UNKNOWN)?;
+    if names.len() != parameters.len() {
+        return Err(Error::LengthMismatch {
+            what: "parameters of a COLMAP camera model",
+            left: names.len(),
+            right: parameters.len(),
+        });
+    }
+    let ([fx, fy], [cx, cy], rest) = match *parameters {
+        [f, cx, cy, ref rest @ ..] if names[0] == "f" => ([f, f], [cx, cy], rest),
+        [fx, fy, cx, cy, ref rest @ ..] => ([fx, fy], [cx, cy], rest),
+        _ => return Ok(None),
+    };
+    let interior = InteriorOrientation::new([fx, fy], Point2::new(cx, cy), 0.0)?;
+    Ok(Some((interior, rest)))
+}
+
+/// Those of the models that are Brown's.
+fn brown(
+    model: &str,
+    interior: InteriorOrientation,
+    lens: &[f64],
+) -> Result<Option<BrownCamera>, Error> {
+    let (k, p) = match (model, lens) {
+        ("SIMPLE_PINHOLE" | "PINHOLE", []) => ([0.0; 3], [0.0; 2]),
+        ("SIMPLE_RADIAL", &[k]) => ([k, 0.0, 0.0], [0.0; 2]),
+        ("RADIAL", &[k1, k2]) => ([k1, k2, 0.0], [0.0; 2]),
+        ("OPENCV", &[k1, k2, p1, p2]) => ([k1, k2, 0.0], [p1, p2]),
+        _ => return Ok(None),
+    };
+    Ok(Some(BrownCamera::new(interior, Brown::new(k, p)?)))
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, Vector3};
 
-use super::{Adjustable, CentralModel, ParameterGroup, collinearity, no_group};
+use super::{Adjustable, CentralModel, Panorama, ParameterGroup, collinearity, no_group};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::Affine2;
 
@@ -112,7 +112,7 @@ impl InteriorOrientation {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn from_whole_panorama(width: f64, height: f64) -> Result<Self, Error> {
-        let distance = [width / core::f64::consts::TAU, height / core::f64::consts::PI];
+        let distance = Panorama::Equirectangular.principal_distance(width, height);
         Self::new(distance, Point2::new(0.5 * width, 0.5 * height), 0.0)
     }
 

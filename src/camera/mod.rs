@@ -31,7 +31,7 @@ pub use central_projection::{
     CentralProjection, Division, DoubleSphere, EnhancedUnified, FieldOfView, Fisheye, Gnomonic,
     Panorama, UnifiedSphere,
 };
-pub use colmap::{COLMAP_MODELS, from_colmap};
+pub use colmap::{COLMAP_MODELS, brown_from_colmap, from_colmap};
 pub use distortion::{
     Brown, Distortion, EvenRadial, Fraser, Metashape, NoDistortion, RadialTangentialThinPrism,
     Rational, ThinPrism, Undistorted, UndistortedMany,

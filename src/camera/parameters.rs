@@ -30,7 +30,7 @@ pub(super) fn group<P: Parametrised>() -> ParameterGroup {
 }
 
 /// Copies values out, as many as fit.
-pub(super) fn write(values: &[f64], out: &mut [f64]) {
+pub(super) fn write<T: Copy>(values: &[T], out: &mut [T]) {
     for (o, v) in out.iter_mut().zip(values) {
         *o = *v;
     }

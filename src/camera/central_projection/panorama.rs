@@ -48,6 +48,19 @@ pub enum Panorama {
     Cylindrical,
 }
 
+impl Panorama {
+    /// The principal distances (fx, fy), in pixels, of a panorama of w × h pixels that is a full turn wide: w/2π, and h/π of an
+    /// equirectangular one, which is half a turn high.
+    #[must_use]
+    pub fn principal_distance(self, width: f64, height: f64) -> [f64; 2] {
+        let turn = width / core::f64::consts::TAU;
+        match self {
+            Self::Equirectangular => [turn, height / PI],
+            Self::Cylindrical => [turn, turn],
+        }
+    }
+}
+
 parameters::no_parameters!(Panorama, "panorama");
 
 impl CentralProjection for Panorama {

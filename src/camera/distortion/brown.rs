@@ -47,7 +47,7 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("Brown-Conrady", "radtan", "plumb bob", "OPENCV", "Pix4D"))]
-pub struct Brown(Planar<3, 0, 1, false>);
+pub struct Brown(Planar<3, 0, 1, 0>);
 
 planar_distortion!(Brown);
 

@@ -33,7 +33,7 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("Kannala-Brandt", "KB4", "fisheye", "equidistant"))]
-pub struct EvenRadial(Planar<4, 0, 0, false>);
+pub struct EvenRadial(Planar<4, 0, 0, 0>);
 
 planar_distortion!(EvenRadial);
 

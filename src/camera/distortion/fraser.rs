@@ -44,7 +44,7 @@ use crate::numeric::float;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("Australis", "self-calibration", "additional parameters"))]
 pub struct Fraser {
-    planar: Planar<3, 0, 1, false>,
+    planar: Planar<3, 0, 1, 0>,
     /// b₁ and b₂ with y down.
     linear: [f64; 2],
 }
@@ -124,9 +124,7 @@ impl OneToOne for Fraser {
         all[4] = -all[4];
         all[5] = Vector2::new(p.x, 0.0);
         all[6] = Vector2::new(-p.y, 0.0);
-        for (o, column) in out.iter_mut().zip(all) {
-            *o = column;
-        }
+        parameters::write(&all, out);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::one_to_one::{OneToOne, invert};
+use super::one_to_one::{OneToOne, along_radius, invert};
 use super::planar::Planar;
 use crate::numeric::float;
 
@@ -79,25 +79,11 @@ struct Start {
 }
 
 impl Start {
-    /// `None` where the radial part has no inverse that far out.
-    fn new(lens: &impl OneToOne, squared_radius: f64) -> Option<Self> {
+    fn new(lens: &impl OneToOne, squared_radius: f64) -> Self {
         let mut differences = [0.0; DEGREE + 1];
         for (value, node) in differences.iter_mut().zip(NODES) {
             let distorted = float::sqrt(0.5 * squared_radius * (1.0 + node));
-            let mut r = distorted;
-            // From the axis the lens is nearly the identity; what Newton's steps do not reach here the scalar path will.
-            for _ in 0..20 {
-                let [value, slope] = lens.radial(r);
-                let step = (value - distorted) / slope;
-                r -= step;
-                if !(r > 0.0 && r < lens.fold_radius()) {
-                    return None;
-                }
-                if step.abs() <= 1e-12 * r {
-                    break;
-                }
-            }
-            *value = r / distorted;
+            *value = along_radius(lens, distorted) / distorted;
         }
         for level in 1..=DEGREE {
             for i in (level..=DEGREE).rev() {
@@ -105,7 +91,7 @@ impl Start {
                 differences[i] = (differences[i] - differences[i - 1]) / across;
             }
         }
-        Some(Self { scale: 2.0 / squared_radius, differences })
+        Self { scale: 2.0 / squared_radius, differences }
     }
 
     #[inline(always)]
@@ -124,7 +110,7 @@ impl Start {
 /// A start by the radial polynomial, one Newton step, and one more with the same Jacobian; a point whose residual is then not
 /// at its rounding floor goes the way of a single point. The points beside it shape the start, and with it at most a point's
 /// last bits; the instruction set shapes nothing.
-pub(super) fn undistort_many<const N: usize, const D: usize, const T: u8, const S: bool>(
+pub(super) fn undistort_many<const N: usize, const D: usize, const T: u8, const S: u8>(
     lens: &Planar<N, D, T, S>,
     points: &mut [Point2<f64>],
 ) -> UndistortedMany {
@@ -134,14 +120,13 @@ pub(super) fn undistort_many<const N: usize, const D: usize, const T: u8, const 
     let rim = if fold.is_finite() { lens.radial(SHARE_OF_FOLD * fold)[0] } else { f64::INFINITY };
     let farthest = points.iter().map(|p| p.coords.norm_squared()).fold(0.0, f64::max);
     let farthest = farthest.min(rim * rim);
-    let start =
-        if points.len() >= FEW && farthest < 1e12 { Start::new(lens, farthest) } else { None };
-    let Some(start) = start else {
+    if points.len() < FEW || !(farthest > 0.0 && farthest < 1e12) {
         for point in points {
             report.one(point, invert(lens, point));
         }
         return report;
-    };
+    }
+    let start = Start::new(lens, farthest);
     #[cfg(feature = "simd")]
     {
         let level = fearless_simd::Level::new();
@@ -155,7 +140,7 @@ pub(super) fn undistort_many<const N: usize, const D: usize, const T: u8, const 
 const BLOCK: usize = 64;
 
 #[inline(always)]
-fn blocks<const N: usize, const D: usize, const T: u8, const S: bool>(
+fn blocks<const N: usize, const D: usize, const T: u8, const S: u8>(
     lens: &Planar<N, D, T, S>,
     start: &Start,
     points: &mut [Point2<f64>],
@@ -220,7 +205,7 @@ struct Found {
 
 /// The start, a Newton step, and another with the same Jacobian.
 #[inline(always)]
-fn two_steps<const N: usize, const D: usize, const T: u8, const S: bool>(
+fn two_steps<const N: usize, const D: usize, const T: u8, const S: u8>(
     lens: &Planar<N, D, T, S>,
     start: &Start,
     target: [f64; 2],
@@ -229,7 +214,7 @@ fn two_steps<const N: usize, const D: usize, const T: u8, const S: bool>(
     let squared = norm(target);
     let ratio = start.ratio(squared);
     let mut point = target.map(|c| c * ratio);
-    if T > 0 || S {
+    if T > 0 || S > 0 {
         // The radial start throws the point off by what the other terms add there.
         let beside = lens.beside_radial(point);
         let radial = [target[0] - beside[0], target[1] - beside[1]];

@@ -35,7 +35,7 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("PhotoScan", "Agisoft"))]
-pub struct Metashape(Planar<4, 0, 2, false>);
+pub struct Metashape(Planar<4, 0, 2, 0>);
 
 planar_distortion!(Metashape);
 

@@ -136,13 +136,21 @@ fn start(
             return Ok(*distorted);
         }
     }
-    let mut high = radius;
     if radius >= fold {
         let limit = lens.reach(fold);
         if radius > limit {
             return Err(ProjectionError::OutsideDomain { value: radius, limit });
         }
     }
+    let scale = if radius > 0.0 { along_radius(lens, radius) / radius } else { 1.0 };
+    Ok(distorted * scale)
+}
+
+/// The radius that the radial part alone throws to `radius`, or the nearest to it that the disc has; by Newton's steps, kept in
+/// a bracket, to a relative 10⁻⁸.
+pub(super) fn along_radius(lens: &impl OneToOne, radius: f64) -> f64 {
+    let fold = lens.fold_radius();
+    let mut high = radius;
     if fold.is_finite() {
         high = fold * (1.0 - 1e-9);
     } else {
@@ -172,8 +180,7 @@ fn start(
             break;
         }
     }
-    let scale = if radius > 0.0 { r / radius } else { 1.0 };
-    Ok(distorted * scale)
+    r
 }
 
 /// Why the search stopped: pressed against the fold, or out of steps.

@@ -17,7 +17,7 @@ use crate::numeric::scalar::Scalar;
 /// ```
 ///
 /// `N` and `D` are the numbers of coefficients above and below; `T` is 0 without decentering, 1 with p and 2 with p and q;
-/// `S` says whether there is a thin prism. What is absent costs nothing.
+/// `S` is 0 without a thin prism, 1 with s₁ and s₃ and 2 with all four. What is absent costs nothing.
 ///
 /// # Domain
 /// The map is one to one on a disc on which the symmetric part of its Jacobian is positive definite: on a segment from a to
@@ -31,7 +31,7 @@ use crate::numeric::scalar::Scalar;
 /// which decentering with q = 0 attains in one direction. The fold radius is the first root of the smaller eigenvalue
 /// less T, multiplied by D²: a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Planar<const N: usize, const D: usize, const T: u8, const S: bool> {
+pub(super) struct Planar<const N: usize, const D: usize, const T: u8, const S: u8> {
     pub(super) k: [f64; N],
     pub(super) d: [f64; D],
     pub(super) p: [f64; 2],
@@ -57,7 +57,7 @@ fn series_slope<V: Scalar>(coefficients: &[V], s: V) -> V {
 
 /// The formula.
 #[inline(always)]
-fn distort<V: Scalar, const N: usize, const D: usize, const T: u8, const S: bool>(
+fn distort<V: Scalar, const N: usize, const D: usize, const T: u8, const S: u8>(
     [x, y]: [V; 2],
     k: &[V; N],
     d: &[V; D],
@@ -79,8 +79,9 @@ fn distort<V: Scalar, const N: usize, const D: usize, const T: u8, const S: bool
         }
         out = [out[0] + t[0], out[1] + t[1]];
     }
-    if S {
-        out = [out[0] + (s[0] + s[1] * r2) * r2, out[1] + (s[2] + s[3] * r2) * r2];
+    if S > 0 {
+        let of = |first: V, second: V| if S > 1 { (first + second * r2) * r2 } else { first * r2 };
+        out = [out[0] + of(s[0], s[1]), out[1] + of(s[2], s[3])];
     }
     out
 }
@@ -126,7 +127,7 @@ fn even(coefficients: &[f64]) -> [InRadius; 2] {
     out
 }
 
-impl<const N: usize, const D: usize, const T: u8, const S: bool> Planar<N, D, T, S> {
+impl<const N: usize, const D: usize, const T: u8, const S: u8> Planar<N, D, T, S> {
     /// From its coefficients; `lowered` is what a linear part outside this formula takes from the eigenvalues.
     pub(super) fn new(
         k: [f64; N],
@@ -252,7 +253,7 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> Planar<N, D, T,
             }
             j = core::array::from_fn(|i| j[i] + by_point[i]);
         }
-        if S {
+        if S > 0 {
             let slope = |first: V, second: V| (first + (second * r2).scale(2.0)).scale(2.0);
             let g = [slope(s[0], s[1]), slope(s[2], s[3])];
             let prism = [g[0] * x, g[0] * y, g[1] * x, g[1] * y];
@@ -262,7 +263,7 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> Planar<N, D, T,
     }
 }
 
-impl<const N: usize, const D: usize, const T: u8, const S: bool> OneToOne for Planar<N, D, T, S> {
+impl<const N: usize, const D: usize, const T: u8, const S: u8> OneToOne for Planar<N, D, T, S> {
     #[inline]
     fn value(&self, p: &Point2<f64>) -> Point2<f64> {
         Point2::from(distort::<f64, N, D, T, S>(
@@ -292,7 +293,7 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> OneToOne for Pl
             let q = self.q.map(f64::abs);
             reach += 3.0 * float::hypot(self.p[0], self.p[1]) * r2 * series(&q, r2);
         }
-        if S {
+        if S > 0 {
             let [s1, s2, s3, s4] = self.s;
             reach += (float::hypot(s1, s3) + float::hypot(s2, s4) * r2) * r2;
         }
@@ -308,7 +309,7 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> OneToOne for Pl
 
     #[inline]
     fn is_radial(&self) -> bool {
-        T == 0 && !S
+        T == 0 && S == 0
     }
 
     /// In the order k, d, p, q, s.
@@ -342,11 +343,13 @@ impl<const N: usize, const D: usize, const T: u8, const S: bool> OneToOne for Pl
             put(t * r2);
             put(t * (r2 * r2));
         }
-        if S {
-            put(Vector2::new(r2, 0.0));
-            put(Vector2::new(r2 * r2, 0.0));
-            put(Vector2::new(0.0, r2));
-            put(Vector2::new(0.0, r2 * r2));
+        if S > 0 {
+            for axis in [Vector2::x(), Vector2::y()] {
+                put(axis * r2);
+                if S > 1 {
+                    put(axis * (r2 * r2));
+                }
+            }
         }
     }
 }
@@ -356,13 +359,17 @@ mod tests {
     use super::*;
     use crate::numeric::scalar::Dual;
 
-    fn agrees<const N: usize, const D: usize, const T: u8, const S: bool>() {
+    fn agrees<const N: usize, const D: usize, const T: u8, const S: u8>() {
         const SMALL: [f64; 6] = [-0.13, 0.021, 0.017, -0.0063, 0.0019, -0.0007];
         let k: [f64; N] = core::array::from_fn(|i| SMALL[i]);
         let d: [f64; D] = core::array::from_fn(|i| 0.7 * SMALL[5 - i] + 0.011);
         let p = [1.1e-3, -6e-4].map(|c| if T > 0 { c } else { 0.0 });
         let q = [0.31, -0.12].map(|c| if T > 1 { c } else { 0.0 });
-        let s = [8e-4, -4e-4, -7e-4, 3e-4].map(|c| if S { c } else { 0.0 });
+        let s = match S {
+            0 => [0.0; 4],
+            1 => [8e-4, 0.0, -7e-4, 0.0],
+            _ => [8e-4, -4e-4, -7e-4, 3e-4],
+        };
         let lens = Planar::<N, D, T, S>::new(k, d, p, q, s, 0.0).unwrap();
         for point in [[0.31, -0.22], [-0.4, -0.1], [0.05, 0.5], [0.0, 0.0]] {
             let variable = |value, i| Dual::<20>::variable(value, i);
@@ -382,7 +389,7 @@ mod tests {
                 .chain(8..8 + D)
                 .chain(if T > 0 { 11..13 } else { 0..0 })
                 .chain(if T > 1 { 13..15 } else { 0..0 })
-                .chain(if S { 15..19 } else { 0..0 });
+                .chain((15..19).step_by(if S == 1 { 2 } else { 1 }).filter(|_| S > 0));
             for row in 0..2 {
                 for i in 0..2 {
                     assert!((dual[row].gradient[i] - jacobian[(row, i)]).abs() < 1e-15);
@@ -401,12 +408,12 @@ mod tests {
 
     #[test]
     fn jacobians_agree_with_dual_numbers() {
-        agrees::<3, 0, 1, false>();
-        agrees::<3, 3, 1, true>();
-        agrees::<4, 0, 0, false>();
-        agrees::<4, 0, 1, true>();
-        agrees::<6, 0, 0, false>();
-        agrees::<0, 0, 1, true>();
-        agrees::<4, 0, 2, false>();
+        agrees::<3, 0, 1, 0>();
+        agrees::<3, 3, 1, 2>();
+        agrees::<4, 0, 0, 0>();
+        agrees::<4, 0, 1, 1>();
+        agrees::<6, 0, 0, 0>();
+        agrees::<0, 0, 1, 2>();
+        agrees::<4, 0, 2, 0>();
     }
 }

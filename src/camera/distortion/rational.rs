@@ -59,7 +59,7 @@ use crate::numeric::scalar::Scalar;
     "Scheimpflug"
 ))]
 pub struct Rational {
-    planar: Planar<3, 3, 1, true>,
+    planar: Planar<3, 3, 1, 2>,
     tilt: [f64; 2],
 }
 
@@ -216,9 +216,7 @@ impl Distortion for Rational {
             *column = through * *column;
         }
         all[12..].copy_from_slice(&self.tilt_columns(&planar, &tilted, w));
-        for (o, column) in out.iter_mut().zip(all) {
-            *o = column;
-        }
+        parameters::write(&all, out);
     }
 
     fn fold_radius(&self) -> f64 {

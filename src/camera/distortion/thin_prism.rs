@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Point2, Vector2};
 
 use super::one_to_one::{OneToOne, invert};
 use super::planar::Planar;
-use super::{Distortion, Undistorted};
+use super::{Distortion, Undistorted, planar_distortion};
 use crate::camera::{Parametrised, parameters};
 use crate::error::{Error, ProjectionError};
 
@@ -38,7 +38,9 @@ use crate::error::{Error, ProjectionError};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("THIN_PRISM_FISHEYE"))]
-pub struct ThinPrism(Planar<4, 0, 1, true>);
+pub struct ThinPrism(Planar<4, 0, 1, 1>);
+
+planar_distortion!(ThinPrism);
 
 impl ThinPrism {
     /// From k₁ to k₄, p₁ and p₂, s₁ and s₂ (COLMAP's sx1 and sy1).
@@ -62,36 +64,6 @@ impl Parametrised for ThinPrism {
     fn with_values(&self, values: &[f64]) -> Result<Self, Error> {
         let [k1, k2, k3, k4, p1, p2, s1, s2] = parameters::read(values)?;
         Self::new([k1, k2, k3, k4], [p1, p2], [s1, s2])
-    }
-}
-
-impl Distortion for ThinPrism {
-    fn distort(&self, ideal: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
-        self.0.checked(ideal)
-    }
-
-    fn distort_jacobian(
-        &self,
-        ideal: &Point2<f64>,
-    ) -> Result<(Point2<f64>, Matrix2<f64>), ProjectionError> {
-        Ok((self.0.checked(ideal)?, self.0.jacobian(ideal)))
-    }
-
-    fn undistort(&self, distorted: &Point2<f64>) -> Result<Undistorted, ProjectionError> {
-        invert(&self.0, distorted)
-    }
-
-    fn parameter_partials(&self, ideal: &Point2<f64>, out: &mut [Vector2<f64>]) {
-        // The formula's s₂ and s₄, which this lens has not, lie between the others.
-        let mut all = [Vector2::zeros(); 10];
-        self.0.columns(ideal, &mut all);
-        for (o, i) in out.iter_mut().zip([0, 1, 2, 3, 4, 5, 6, 8]) {
-            *o = all[i];
-        }
-    }
-
-    fn fold_radius(&self) -> f64 {
-        self.0.fold_radius()
     }
 }
 
@@ -128,8 +100,8 @@ impl Distortion for ThinPrism {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias("Fisheye624", "RAD_TAN_THIN_PRISM_FISHEYE"))]
 pub struct RadialTangentialThinPrism {
-    radial: Planar<6, 0, 0, false>,
-    second: Planar<0, 0, 1, true>,
+    radial: Planar<6, 0, 0, 0>,
+    second: Planar<0, 0, 1, 2>,
 }
 
 impl RadialTangentialThinPrism {
@@ -196,9 +168,7 @@ impl Distortion for RadialTangentialThinPrism {
             *column = through * *column;
         }
         all[6..].copy_from_slice(&second);
-        for (o, column) in out.iter_mut().zip(all) {
-            *o = column;
-        }
+        parameters::write(&all, out);
     }
 
     fn fold_radius(&self) -> f64 {
