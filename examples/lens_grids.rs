@@ -1,4 +1,4 @@
-//! What each central model does to a grid, as the figures of their pages.
+//! What each central model and each scanning camera does to a grid, as the figures of their pages.
 //!
 //! `cargo run --release --example lens_grids -- [FOLDER]` writes an SVG a model to FOLDER, or to `target/lenses`;
 //! the documentation includes those in `docs/figures/lenses`.
@@ -10,10 +10,11 @@ use std::path::PathBuf;
 
 use collinear::camera::{
     Brown, CentralProjection, Distortion, Division, DoubleSphere, EnhancedUnified, EvenRadial,
-    FieldOfView, Fisheye, Fraser, Gnomonic, Metashape, NoDistortion, Panorama,
-    RadialTangentialThinPrism, Rational, ThinPrism, UnifiedSphere,
+    ExteriorOrientation, FieldOfView, Fisheye, Fraser, Gnomonic, ImageMotionCompensation,
+    InteriorOrientation, Metashape, NoDistortion, Panorama, PolynomialTrajectory,
+    RadialTangentialThinPrism, Rational, ScanTime, Scanner, SensorModel, ThinPrism, UnifiedSphere,
 };
-use collinear::nalgebra::{Point2, Vector3};
+use collinear::nalgebra::{Point2, Point3, Vector3};
 
 type Failure = Box<dyn Error>;
 
@@ -57,7 +58,65 @@ fn main() -> Result<(), Failure> {
     let panoramas: [(&str, &dyn CentralProjectionView); 2] =
         [("equirectangular", &Panorama::Equirectangular), ("cylindrical", &Panorama::Cylindrical)];
     write("panorama", globe(&panoramas, 180))?;
+
+    // The scanning cameras: a field of squares, flown over upwards in the figure.
+    write("scanning", scans()?)?;
     Ok(())
+}
+
+/// From 1 above the origin, looking down, y of the picture along the flight: with a velocity along y and polynomials of the
+/// attitude in the time from −1 to 1.
+fn flight(
+    velocity: f64,
+    attitude: &[[f64; 3]],
+) -> Result<PolynomialTrajectory<ExteriorOrientation>, Failure> {
+    let above =
+        ExteriorOrientation::look_at(Point3::new(0.0, 0.0, 1.0), Point3::origin(), -Vector3::y())?;
+    let position = vec![Vector3::zeros(), Vector3::new(0.0, velocity, 0.0)];
+    let attitude = attitude.iter().map(|w| Vector3::from(*w)).collect();
+    Ok(PolynomialTrajectory::new(above, 0.0, 1.0, position, attitude)?)
+}
+
+/// Each scanning camera's picture of a field of squares.
+fn scans() -> Result<String, Failure> {
+    let unit = |f: f64, y: f64| InteriorOrientation::new([f; 2], Point2::new(0.0, y), 0.0);
+    let lines = ScanTime::by_line(0.0, 1.0, [-3.0, 3.0])?;
+    let still = [[0.0; 3]];
+    // A roll and a turn that grow, as in a gust.
+    let gust = [[0.0; 3], [0.0, 0.12, 0.1], [0.0; 3], [0.0, -0.2, 0.0]];
+    let pushbroom = Scanner::line_scan(unit(1.0, 0.0)?, flight(1.0, &gust)?, 0.0, lines)?;
+    let columns = ScanTime::by_column(0.0, 0.8, [-1.4, 1.4])?;
+    let none = ImageMotionCompensation::default();
+    let panorama = Scanner::panoramic(unit(1.0, 0.0)?, none, flight(0.0, &still)?, columns)?;
+    let moving = flight(0.35, &still)?;
+    let compensated =
+        Scanner::panoramic(unit(1.0, 0.0)?, ImageMotionCompensation::new(0.28)?, moving, columns)?;
+    let pixels = ScanTime::by_pixel(0.0, 0.02, 1.0, [[-1.4, 1.4], [-3.0, 3.0]])?;
+    let whiskbroom = Scanner::whiskbroom(unit(1.0, 0.0)?, 0.0, flight(1.0, &still)?, pixels)?;
+    let spin = [[0.0; 3], [0.05, 0.1, 0.25]];
+    let shutter = Scanner::frame_scan(unit(1.0, 0.0)?, flight(0.3, &spin)?, lines)?;
+    let of = |caption, sensor: &dyn SensorModel| {
+        let point = |x: f64, y: f64| {
+            sensor.project(&Point3::new(-x, y, 0.0)).ok().map(|p| Point2::new(p.x, -p.y))
+        };
+        Panel { caption, ideal: vec![], lines: field(&point) }
+    };
+    Ok(drawing(&[
+        of("pushbroom in a gust", &pushbroom),
+        of("panoramic", &panorama),
+        of("moving, compensated", &compensated),
+        of("whiskbroom", &whiskbroom),
+        of("rolling shutter, turning", &shutter),
+    ]))
+}
+
+/// The lines of a field of squares, three wide and one and a half along the flight.
+fn field(point: &dyn Fn(f64, f64) -> Option<Point2<f64>>) -> Vec<Line> {
+    let across =
+        samples(-1.5, 1.5, 12).map(|x| samples(-0.75, 0.75, 30).map(|y| point(x, y)).collect());
+    let along =
+        samples(-0.75, 0.75, 6).map(|y| samples(-1.5, 1.5, 60).map(|x| point(x, y)).collect());
+    across.chain(along).collect()
 }
 
 /// The half of a projection that is drawn, as an object.

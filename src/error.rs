@@ -37,6 +37,21 @@ pub enum ProjectionError {
         /// The limit it must stay below.
         limit: f64,
     },
+    /// A scan does not see the point, or has no pixel at the time.
+    #[error(
+        "outside the scan: time {} is not between {} and {}",
+        Brief(*time),
+        Brief(*first),
+        Brief(*last)
+    )]
+    OutsideScan {
+        /// The time, in the trajectory's unit: for a point that of the nearest end's Newton step, NaN where it has none.
+        time: f64,
+        /// First time of the scan or of the trajectory.
+        first: f64,
+        /// Last time of the scan or of the trajectory.
+        last: f64,
+    },
     /// An iteration ended before it reached its tolerance.
     #[error("not converged after {iterations} iterations: residual {}", Brief(*residual))]
     NotConverged {

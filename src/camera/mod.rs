@@ -2,7 +2,8 @@
 //!
 //! Three contracts. A [`CentralModel`] turns a direction into an image point and back, without a pose; a
 //! [`SensorModel`] does so for points of the world, and need not have one projection centre; [`Adjustable`] gives the
-//! partial derivatives by which either is found from points. [`Frame`] is a pose and a central model.
+//! partial derivatives by which either is found from points. [`Frame`] is a pose and a central model; [`Scanner`] is a
+//! central model along a [`Trajectory`].
 //!
 //! Camera axes: x right, y down, z forward. Image coordinates: pixels, from the top-left corner of the top-left pixel,
 //! whose centre is (0.5, 0.5). The photogrammetric system (millimetres, y up, looking along −z) enters by named
@@ -21,6 +22,7 @@ mod homogeneous;
 mod interior;
 mod orthographic;
 mod parameters;
+mod scanning;
 
 use core::fmt::Debug;
 
@@ -33,8 +35,8 @@ pub use central_projection::{
 };
 pub use colmap::{COLMAP_MODELS, brown_from_colmap, from_colmap};
 pub use distortion::{
-    Brown, Distortion, EvenRadial, Fraser, Metashape, NoDistortion, RadialTangentialThinPrism,
-    Rational, ThinPrism, Undistorted, UndistortedMany,
+    Brown, Distortion, EvenRadial, Fraser, ImageMotionCompensation, Metashape, NoDistortion,
+    RadialTangentialThinPrism, Rational, ThinPrism, Undistorted, UndistortedMany,
 };
 pub use exterior::ExteriorOrientation;
 pub use frame::Frame;
@@ -42,6 +44,9 @@ pub use homogeneous::HomogeneousCamera;
 pub use interior::InteriorOrientation;
 pub use orthographic::Orthographic;
 pub use parameters::Parametrised;
+pub use scanning::{
+    Ephemeris, Interpolation, PlatformState, PolynomialTrajectory, ScanTime, Scanner, Trajectory,
+};
 
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Locus, Surface};

@@ -31,6 +31,8 @@ mod projection;
 mod resample;
 mod rotation;
 mod rows;
+mod scanning;
+mod scanning_edges;
 mod sources;
 mod span;
 mod support;

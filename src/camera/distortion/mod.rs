@@ -9,6 +9,7 @@
 mod brown;
 mod even_radial;
 mod fraser;
+mod image_motion;
 mod many;
 mod metashape;
 mod one_to_one;
@@ -23,6 +24,7 @@ use nalgebra::{Matrix2, Point2, Vector2};
 pub use brown::Brown;
 pub use even_radial::EvenRadial;
 pub use fraser::Fraser;
+pub use image_motion::ImageMotionCompensation;
 pub use many::UndistortedMany;
 pub use metashape::Metashape;
 pub use rational::Rational;

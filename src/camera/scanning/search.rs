@@ -1,0 +1,187 @@
+//! When a scan sees a point: one equation in time.
+
+use crate::error::ProjectionError;
+
+/// The pieces in which the scan is searched where its ends do not enclose the moment.
+const PIECES: u32 = 64;
+
+/// A Newton step of so few lines ends the search: the next would be its square, or at a node of a table its share.
+const SURE: f64 = 1e-10;
+
+/// What a search that has come to the last digits must have reached, in lines.
+const NANOLINE: f64 = 1e-9;
+
+/// Halvings of a piece in search of the turn of the function: to some 10⁻⁶ of it.
+const MOST_HALVINGS: u32 = 20;
+
+/// Evaluations for one bracket: bisection alone reaches neighbouring floats in fewer.
+const MOST_STEPS: u32 = 200;
+
+/// How far the point is from being seen at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Miss {
+    /// A function of time that is zero when the point is seen.
+    pub(super) value: f64,
+    /// Its derivative.
+    pub(super) slope: f64,
+}
+
+impl Miss {
+    /// Newton's step in time.
+    fn step(&self) -> f64 {
+        -self.value / self.slope
+    }
+}
+
+/// A moment, and how far Newton's last step led from the last evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Moment {
+    /// Where the function was evaluated last.
+    pub(super) evaluated: f64,
+    /// The root is at `evaluated + step`.
+    pub(super) step: f64,
+}
+
+/// The time at which `miss` vanishes: the whole interval where its ends enclose a root, else the first of 64 pieces that do, or
+/// in which the function turns beyond zero.
+///
+/// A change of sign that is a jump, as at the seam of a panorama, is passed over. The root is exact to a nanoline:
+/// `unit` is the time of a line.
+pub(super) fn find<T>(
+    interval: [f64; 2],
+    unit: f64,
+    mut miss: impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
+) -> Result<(Moment, T), ProjectionError> {
+    let [first, last] = interval;
+    let (start, end) = (miss(first), miss(last));
+    if let (Ok((a, _)), Ok((b, _))) = (&start, &end)
+        && let Outcome::Found(found) = refine([first, last], [*a, *b], unit, &mut miss)
+    {
+        return Ok(found);
+    }
+    let reason = start.as_ref().err().or(end.as_ref().err()).copied();
+    let nearest = nearest_end(interval, [&start, &end]);
+    let mut stuck = None;
+    let mut before = start.map(|(m, _)| m).ok();
+    let mut seen = before.is_some();
+    for piece in 1..=PIECES {
+        let at = |k: u32| first + (last - first) * (f64::from(k) / f64::from(PIECES));
+        let after = if piece == PIECES {
+            end.as_ref().ok().map(|e| e.0)
+        } else {
+            miss(at(piece)).ok().map(|m| m.0)
+        };
+        if let (Some(a), Some(b)) = (before, after)
+            && let Some((times, ends)) = enclosed([at(piece - 1), at(piece)], [a, b], &mut miss)
+        {
+            match refine(times, ends, unit, &mut miss) {
+                Outcome::Found(found) => return Ok(found),
+                Outcome::Stuck { iterations, residual } => {
+                    stuck = stuck.or(Some(ProjectionError::NotConverged { iterations, residual }));
+                }
+                Outcome::None => {}
+            }
+        }
+        seen |= after.is_some();
+        before = after;
+    }
+    Err(match (stuck, reason) {
+        (Some(stuck), _) => stuck,
+        // Never before the camera, or never in its lens: the reason of an end.
+        (None, Some(reason)) if !seen => reason,
+        _ => ProjectionError::OutsideScan { time: nearest, first, last },
+    })
+}
+
+/// Where Newton's step leads from the end that is nearer to the root.
+fn nearest_end<T>([first, last]: [f64; 2], ends: [&Result<(Miss, T), ProjectionError>; 2]) -> f64 {
+    let from = |t: f64, end: &Result<(Miss, T), ProjectionError>| {
+        end.as_ref().ok().map(|(m, _)| m.step()).filter(|s| s.is_finite()).map(|s| (s.abs(), t + s))
+    };
+    let candidates = [from(first, ends[0]), from(last, ends[1])];
+    let best = candidates.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(f64::NAN, |(_, t)| t)
+}
+
+/// A part of the piece whose ends have different signs: the piece itself, or where the function turns within it and reaches
+/// beyond zero, the part before its turn.
+fn enclosed<T>(
+    [mut a, mut b]: [f64; 2],
+    [at_a, at_b]: [Miss; 2],
+    miss: &mut impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
+) -> Option<([f64; 2], [Miss; 2])> {
+    let sign = at_a.value.signum();
+    if sign != at_b.value.signum() {
+        return Some(([a, b], [at_a, at_b]));
+    }
+    let towards = |m: &Miss| m.slope * sign < 0.0;
+    if !towards(&at_a) || towards(&at_b) {
+        return None;
+    }
+    let mut before = at_a;
+    for _ in 0..MOST_HALVINGS {
+        let middle = 0.5 * (a + b);
+        let (found, _) = miss(middle).ok()?;
+        if found.value.signum() != sign {
+            return Some(([a, middle], [before, found]));
+        }
+        if towards(&found) {
+            (a, before) = (middle, found);
+        } else {
+            b = middle;
+        }
+    }
+    None
+}
+
+enum Outcome<T> {
+    Found((Moment, T)),
+    /// A change of sign that is neither a root nor clearly a jump; the residual in lines.
+    Stuck {
+        iterations: u32,
+        residual: f64,
+    },
+    None,
+}
+
+/// Newton's steps kept within a shrinking bracket.
+fn refine<T>(
+    [mut a, mut b]: [f64; 2],
+    ends: [Miss; 2],
+    unit: f64,
+    miss: &mut impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
+) -> Outcome<T> {
+    let [at_a, at_b] = ends.map(|m| m.value);
+    if !(at_a <= 0.0 && at_b >= 0.0 || at_a >= 0.0 && at_b <= 0.0) {
+        return Outcome::None;
+    }
+    let rising = at_a < at_b;
+    // Where the chord crosses zero.
+    let mut t = if at_a == at_b { a } else { a + (b - a) * (at_a / (at_a - at_b)) };
+    let mut last = f64::INFINITY;
+    let mut lines = f64::INFINITY;
+    for iterations in 1..=MOST_STEPS {
+        let Ok((found, rest)) = miss(t.clamp(a, b)) else { return Outcome::None };
+        t = t.clamp(a, b);
+        let step = if found.value == 0.0 { 0.0 } else { found.step() };
+        lines = (step / unit).abs();
+        *(if (found.value < 0.0) == rising { &mut a } else { &mut b }) = t;
+        let middle = 0.5 * (a + b);
+        // At the last digits steps no longer shrink, and no float is left between neighbours.
+        let at_the_end = lines > 0.5 * last || !(middle > a && middle < b);
+        if lines <= SURE || lines <= NANOLINE && at_the_end {
+            return Outcome::Found((Moment { evaluated: t, step }, rest));
+        }
+        if !(middle > a && middle < b) {
+            // Further than a line from zero with no time between: a jump.
+            let jump = !(lines <= 1.0);
+            let residual = lines;
+            return if jump { Outcome::None } else { Outcome::Stuck { iterations, residual } };
+        }
+        let next = t + step;
+        let newton = next > a && next < b && lines <= 0.5 * last;
+        last = if newton { lines } else { f64::INFINITY };
+        t = if newton { next } else { middle };
+    }
+    Outcome::Stuck { iterations: MOST_STEPS, residual: lines }
+}

@@ -1,0 +1,285 @@
+//! What scanning cameras refuse, and what they say.
+
+use std::f64::consts::PI;
+
+use collinear::camera::{
+    Adjustable, CentralCamera, CentralModel, Ephemeris, ExteriorOrientation,
+    ImageMotionCompensation, InteriorOrientation, Interpolation, NoDistortion, Panorama,
+    PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
+};
+use collinear::nalgebra::{Point2, Point3, Rotation3, Vector3};
+use collinear::{Error, ProjectionError};
+
+fn down(center: Point3<f64>) -> ExteriorOrientation {
+    ExteriorOrientation::look_at(center, center - Vector3::z(), -Vector3::y()).unwrap()
+}
+
+fn interior(f: f64, x: f64, y: f64) -> InteriorOrientation {
+    InteriorOrientation::new([f; 2], Point2::new(x, y), 0.0).unwrap()
+}
+
+type Flight = PolynomialTrajectory<ExteriorOrientation>;
+
+/// From (0, 0, 100) with a unit a second along y; a line a second.
+fn pushbroom() -> Scanner<InteriorOrientation, Flight> {
+    let flight = PolynomialTrajectory::constant_velocity(
+        down(Point3::new(0.0, 0.0, 100.0)),
+        0.0,
+        Vector3::y(),
+        Vector3::zeros(),
+    );
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 50.0]).unwrap();
+    Scanner::line_scan(interior(1000.0, 100.0, 0.5), flight.unwrap(), 0.5, lines).unwrap()
+}
+
+#[test]
+fn what_a_scan_does_not_see_says_when_it_would_be_seen() {
+    let scanner = pushbroom();
+    let outside = |y: f64| match scanner.project(&Point3::new(1.0, y, 3.0)) {
+        Err(ProjectionError::OutsideScan { time, first, last }) => {
+            assert!(first.abs() < 1e-6 && (last - 50.0).abs() < 1e-6);
+            time
+        }
+        other => panic!("{other:?}"),
+    };
+    assert!((outside(-7.0) + 7.0).abs() < 1e-9);
+    assert!((outside(61.5) - 61.5).abs() < 1e-9);
+    // The first and the last line belong to it.
+    for y in [0.0, 50.0] {
+        assert!((scanner.project(&Point3::new(0.0, y, 0.0)).unwrap().y - y).abs() < 1e-9);
+    }
+    assert!(matches!(
+        scanner.project(&Point3::new(0.0, 7.0, 200.0)),
+        Err(ProjectionError::BehindCamera { depth }) if depth == -100.0
+    ));
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(scanner.project(&Point3::new(0.0, bad, 0.0)), Err(ProjectionError::NotFinite));
+        assert!(scanner.project_jacobian(&Point3::new(bad, 0.0, 0.0)).is_err());
+        assert_eq!(scanner.locus(&Point2::new(3.0, bad)), Err(ProjectionError::NotFinite));
+        assert_eq!(scanner.locus(&Point2::new(bad, 3.0)), Err(ProjectionError::NotFinite));
+    }
+    for y in [-1e-3, 50.001, 1e300] {
+        let found = scanner.locus(&Point2::new(5.0, y));
+        assert_eq!(found, Err(ProjectionError::OutsideScan { time: y, first: 0.0, last: 50.0 }));
+    }
+    let message = scanner.locus(&Point2::new(5.0, -2.5)).unwrap_err().to_string();
+    assert_eq!(message, "outside the scan: time -2.5 is not between 0 and 50");
+}
+
+/// Seen from a platform that hangs still every line is one: no line is that of a point beside it, and none of one below it can
+/// be told from the others.
+#[test]
+fn a_platform_that_stands_still_images_no_point_on_a_line() {
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 50.0]).unwrap();
+    let still = down(Point3::new(0.0, 0.0, 100.0));
+    let scanner = Scanner::line_scan(interior(1000.0, 100.0, 0.5), still, 0.5, lines).unwrap();
+    assert!(matches!(
+        scanner.project(&Point3::new(1.0, 3.0, 0.0)),
+        Err(ProjectionError::OutsideScan { time, .. }) if time.is_nan()
+    ));
+    assert!(scanner.project_jacobian(&Point3::new(1.0, 0.0, 0.0)).is_err());
+}
+
+/// A panorama of a whole turn: behind is the seam, and no root is found in it.
+#[test]
+fn the_seam_of_a_panorama_is_no_root() {
+    let film = interior(100.0, 100.0 * PI, 50.0);
+    let columns = [0.0, 200.0 * PI];
+    let sweep = ScanTime::by_column(0.0, 0.01, columns).unwrap();
+    let flight = PolynomialTrajectory::constant_velocity(
+        down(Point3::new(0.0, 0.0, 100.0)),
+        PI,
+        Vector3::new(0.0, 2.0, 0.0),
+        Vector3::new(0.0, 0.01, 0.0),
+    );
+    let camera =
+        Scanner::panoramic(film, ImageMotionCompensation::default(), flight.unwrap(), sweep);
+    let camera = camera.unwrap();
+    let mut seen = 0;
+    for k in 0..360 {
+        let (s, c) = (f64::from(k) + 0.5).to_radians().sin_cos();
+        let world = Point3::new(70.0 * s, 5.0, 100.0 + 70.0 * c);
+        match camera.project(&world) {
+            Ok(p) => {
+                seen += 1;
+                let collinear::geometry::Locus::Ray(ray) = camera.locus(&p).unwrap() else {
+                    panic!()
+                };
+                let along = (world - ray.origin).dot(&ray.direction);
+                assert!((ray.at(along) - world).norm() < 1e-9, "{p}");
+            }
+            // The turn of the platform, 0.01 a second, leaves a gap of some 4° behind.
+            Err(e) => assert!(matches!(e, ProjectionError::OutsideScan { .. }), "{e} {k}"),
+        }
+    }
+    assert!((354..360).contains(&seen), "{seen}");
+}
+
+#[test]
+fn times_and_trajectories_are_refused_with_a_reason() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(ScanTime::by_line(bad, 1.0, [0.0, 9.0]), Err(Error::NotFinite { .. })));
+        assert!(matches!(ScanTime::by_line(0.0, bad, [0.0, 9.0]), Err(Error::NotFinite { .. })));
+        assert!(matches!(ScanTime::by_line(0.0, 1.0, [0.0, bad]), Err(Error::NotFinite { .. })));
+        let position = vec![Vector3::new(0.0, bad, 0.0)];
+        assert!(matches!(
+            PolynomialTrajectory::new(down(Point3::origin()), 0.0, 1.0, position, vec![]),
+            Err(Error::NotFinite { .. })
+        ));
+        assert!(ImageMotionCompensation::new(bad).is_err());
+    }
+    assert!(matches!(ScanTime::by_line(0.0, 0.0, [0.0, 9.0]), Err(Error::OutOfRange { .. })));
+    assert!(matches!(ScanTime::by_line(0.0, 1.0, [9.0, 9.0]), Err(Error::OutOfRange { .. })));
+    // Seconds since 1980 have no nanolines of 0.1 ms; since the start of the scan they have.
+    match ScanTime::by_line(1.4e9, 1e-4, [0.0, 30_000.0]) {
+        Err(Error::OutOfRange { what, value, .. }) => {
+            assert_eq!(what, "spacing of floats in lines of the scan");
+            assert!(value > 1e-3 && value < 1e-2, "{value}");
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(ScanTime::by_line(400.0, 1e-4, [0.0, 30_000.0]).is_ok());
+    assert!(matches!(
+        PolynomialTrajectory::new(down(Point3::origin()), 0.0, 0.0, vec![], vec![]),
+        Err(Error::OutOfRange { .. })
+    ));
+    let still = down(Point3::new(0.0, 0.0, 100.0));
+    let columns = ScanTime::by_column(0.0, 1.0, [0.0, 9.0]).unwrap();
+    let camera = interior(100.0, 0.0, 0.0);
+    assert!(matches!(
+        Scanner::line_scan(camera, still, 0.0, columns),
+        Err(Error::OutOfRange { what: "time of a line", .. })
+    ));
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 9.0]).unwrap();
+    assert!(matches!(
+        Scanner::line_scan(camera, still, f64::NAN, lines),
+        Err(Error::NotFinite { .. })
+    ));
+    let scanner = Scanner::whiskbroom(camera, 0.0, still, lines).unwrap();
+    assert_eq!((scanner.row(), scanner.timing().interval()), (Some(0.0), [0.0, 9.0]));
+}
+
+#[test]
+fn tables_are_refused_with_a_reason() {
+    let times = [0.0, 1.0, 2.0, 3.0];
+    let positions = [Point3::origin(); 4];
+    let attitudes = [Rotation3::identity(); 4];
+    let linear = Interpolation::Linear;
+    let table = |t: &[f64], p: &[Point3<f64>], how, u: &[f64], a: &[Rotation3<f64>]| {
+        Ephemeris::new((t, p, how), (u, a, linear))
+    };
+    let positions_only = |t: &[f64], p: &[Point3<f64>], how| table(t, p, how, &times, &attitudes);
+    assert!(matches!(
+        positions_only(&times[..3], &positions, linear),
+        Err(Error::LengthMismatch { left: 3, right: 4, .. })
+    ));
+    assert!(matches!(
+        positions_only(&times[..1], &positions[..1], linear),
+        Err(Error::TooFewPoints { needed: 2, got: 1 })
+    ));
+    assert!(matches!(
+        positions_only(&[], &[], linear),
+        Err(Error::TooFewPoints { needed: 2, got: 0 })
+    ));
+    assert!(matches!(
+        positions_only(&times, &positions, Interpolation::Lagrange(8)),
+        Err(Error::TooFewPoints { needed: 8, got: 4 })
+    ));
+    for count in [0, 1, 3, 14, usize::MAX] {
+        assert!(matches!(
+            positions_only(&times, &positions, Interpolation::Lagrange(count)),
+            Err(Error::OutOfRange { .. })
+        ));
+    }
+    for bad in [[0.0, 1.0, 1.0, 2.0], [0.0, 2.0, 1.0, 3.0]] {
+        assert!(matches!(positions_only(&bad, &positions, linear), Err(Error::OutOfRange { .. })));
+    }
+    let bad = [0.0, 1.0, f64::NAN, 3.0];
+    assert!(matches!(positions_only(&bad, &positions, linear), Err(Error::NotFinite { .. })));
+    let mut lost = positions;
+    lost[2].y = f64::INFINITY;
+    assert!(matches!(positions_only(&times, &lost, linear), Err(Error::NotFinite { .. })));
+    let later = times.map(|t| t + 3.0);
+    assert!(matches!(
+        table(&times, &positions, linear, &later, &attitudes),
+        Err(Error::OutOfRange { what: "time that positions and attitudes share", .. })
+    ));
+    let about = |a: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), a);
+    let turns = [about(0.0), about(0.4), about(3.2), about(3.4)];
+    assert!(matches!(
+        table(&times, &positions, linear, &times, &turns),
+        Err(Error::Degenerate { .. })
+    ));
+    let broken = [about(0.0), about(f64::NAN), about(0.2), about(0.3)];
+    assert!(matches!(
+        table(&times, &positions, linear, &times, &broken),
+        Err(Error::NotFinite { .. })
+    ));
+    let whole = table(&times, &positions, linear, &[0.5, 1.5, 2.0, 2.5], &attitudes).unwrap();
+    assert_eq!(whole.span(), [0.5, 2.5]);
+    for t in [0.4, 2.6, f64::NAN, f64::INFINITY] {
+        assert!(matches!(whole.state(t), Err(ProjectionError::OutsideScan { .. })), "{t}");
+    }
+    // A scan that the table does not cover.
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 2.0]).unwrap();
+    assert!(matches!(
+        Scanner::line_scan(interior(100.0, 0.0, 0.0), whole, 0.0, lines),
+        Err(Error::OutOfRange { what: "time of the scan", .. })
+    ));
+}
+
+#[test]
+fn groups_of_a_scanner_are_those_of_its_trajectory_and_its_camera() {
+    let mut scanner = pushbroom();
+    let names: Vec<_> =
+        (0..).map_while(|g| scanner.parameter_group(g)).map(|g| (g.name, g.len)).collect();
+    assert_eq!(
+        names,
+        [("position polynomial", 6), ("attitude polynomial", 6), ("interior orientation", 5)]
+    );
+    assert!(matches!(
+        scanner.adjust(0, &[0.0; 5]),
+        Err(Error::LengthMismatch { left: 6, right: 5, .. })
+    ));
+    assert!(matches!(scanner.adjust(1, &[f64::NAN; 6]), Err(Error::NotFinite { .. })));
+    assert!(matches!(scanner.adjust(3, &[0.0]), Err(Error::OutOfRange { .. })));
+    assert_eq!(scanner, pushbroom());
+    let mut untouched = [7.0; 2];
+    scanner.parameters(9, &mut untouched);
+    assert_eq!(untouched, [7.0; 2]);
+    // A trajectory without parameters: the camera's groups come first.
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 50.0]).unwrap();
+    let mut still =
+        Scanner::line_scan(interior(1000.0, 100.0, 0.5), down(Point3::origin()), 0.5, lines)
+            .unwrap();
+    assert_eq!(still.parameter_group(0).unwrap().name, "interior orientation");
+    assert!(still.adjust(1, &[]).is_err());
+    assert!(Trajectory::adjust(&mut down(Point3::origin()), 0, &[]).is_err());
+    // Held groups cost nothing and are not written.
+    let (mut object, mut attitude) = ([0.0; 6], [0.0; 12]);
+    let world = Point3::new(3.0, 20.0, 1.0);
+    let p = scanner.partials(&world, &mut object, &mut [&mut [], &mut attitude]).unwrap();
+    assert_eq!(p, scanner.project(&world).unwrap());
+    assert!(attitude.iter().any(|v| *v != 0.0));
+    scanner.partials(&world, &mut object, &mut []).unwrap();
+}
+
+/// A mirror of one's own fits in the place of the cylinder.
+#[test]
+fn a_row_that_no_time_reaches_and_a_camera_that_sees_nothing() {
+    let camera =
+        CentralCamera::from_parts(interior(100.0, 0.0, 0.0), Panorama::Cylindrical, NoDistortion);
+    assert!(camera.direction(&Point2::new(0.0, 1e308)).is_ok());
+    let flight = PolynomialTrajectory::constant_velocity(
+        down(Point3::new(0.0, 0.0, 100.0)),
+        0.0,
+        Vector3::y(),
+        Vector3::zeros(),
+    )
+    .unwrap();
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 50.0]).unwrap();
+    let scanner = Scanner::line_scan(camera, flight, 1e300, lines).unwrap();
+    for z in [0.0, 99.0, 100.0, 300.0] {
+        assert!(scanner.project(&Point3::new(0.0, 10.0, z)).is_err());
+    }
+}
