@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use collinear::nalgebra::{Point2, Point3};
-use collinear_io::camera::CameraFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::{ImagePointRow, PointRow, quoted};
+use collinear_io::sensor::SensorFile;
 
 /// The status of a point that has both coordinates, in the picture.
 pub const OK: &str = "ok";
@@ -29,10 +29,10 @@ pub struct ProjectedRow {
 ///
 /// # Errors
 /// Those of a camera out of its domain. A point without an image has its reason in its status.
-pub fn project(camera: &CameraFile, points: &[PointRow]) -> Result<Vec<ProjectedRow>> {
-    let model = camera.camera()?;
+pub fn project(camera: &SensorFile, points: &[PointRow]) -> Result<Vec<ProjectedRow>> {
+    let sensor = camera.sensor()?;
     let row = |point: &PointRow| {
-        let image = model.sensor().project(&Point3::from(point.world));
+        let image = sensor.project(&Point3::from(point.world));
         let (image, status) = match image {
             Ok(p) => (Some([p.x, p.y]), place(camera, &p).to_owned()),
             Err(reason) => (None, reason.to_string()),
@@ -47,14 +47,14 @@ pub fn project(camera: &CameraFile, points: &[PointRow]) -> Result<Vec<Projected
 /// # Errors
 /// Those of a camera or a plane out of its domain. An image point without a place has its reason in its status.
 pub fn ground(
-    camera: &CameraFile,
+    camera: &SensorFile,
     plane: &PlaneFile,
     points: &[ImagePointRow],
 ) -> Result<Vec<ProjectedRow>> {
-    let (model, plane) = (camera.camera()?, plane.plane()?);
+    let (sensor, plane) = (camera.sensor()?, plane.plane()?);
     let row = |point: &ImagePointRow| {
         let image = Point2::from(point.image);
-        let (world, status) = match model.sensor().ground(&image, &plane) {
+        let (world, status) = match sensor.ground(&image, &plane) {
             Ok(p) => (Some(p.into()), place(camera, &image).to_owned()),
             Err(reason) => (None, reason.to_string()),
         };
@@ -63,9 +63,9 @@ pub fn ground(
     Ok(points.iter().map(row).collect())
 }
 
-fn place(camera: &CameraFile, p: &Point2<f64>) -> &'static str {
-    let inside = (0.0..f64::from(camera.width)).contains(&p.x)
-        && (0.0..f64::from(camera.height)).contains(&p.y);
+fn place(camera: &SensorFile, p: &Point2<f64>) -> &'static str {
+    let [width, height] = camera.size().map(f64::from);
+    let inside = (0.0..width).contains(&p.x) && (0.0..height).contains(&p.y);
     if inside { OK } else { OUTSIDE }
 }
 

@@ -182,3 +182,42 @@ fn a_line_of_colmap_projects_as_in_colmap() {
     let told = "camera.json: interior.parameters: has 3 entries, 4 are needed";
     assert!(run.code == 1 && run.stderr.contains(told), "{}", run.stderr);
 }
+
+/// 100 up, a line each unit along y, c = 100: by hand.
+#[test]
+fn a_scanner_projects_and_says_what_no_time_sees() {
+    let folder = Folder::new();
+    let scanner = document(
+        "scanner",
+        r#""width": 200, "height": 50,
+        "scan": { "kind": "pushbroom", "row": 0.5, "per_line": 1, "margin": 10 },
+        "interior": { "model": "pinhole", "principal_distance": [100, 100], "principal_point": [100, 0.5] },
+        "trajectory": {
+            "exterior": { "projection_center": [0, 0, 100], "rotation_matrix": [[-1, 0, 0], [0, 1, 0], [0, 0, -1]] },
+            "position_polynomial": [[0, 0, 0], [0, 1, 0]]
+        }"#,
+    );
+    folder.write("scanner.json", scanner).write("ground.json", ground(""));
+    folder.write("points.csv", "a,-5,20,0\nb,10,3,50\nc,0,57,0\nd,0,70,0\ne,0,20,120\n");
+    let run = folder.succeed(&["project", "--camera", "scanner.json", "points.csv"]);
+    assert_eq!(
+        run.stdout,
+        "id,X,Y,Z,x,y,status\n\
+         a,-5.0,20.0,0.0,105.0,20.0,ok\n\
+         b,10.0,3.0,50.0,80.0,3.0,ok\n\
+         c,0.0,57.0,0.0,100.0,57.0,outside the picture\n\
+         d,0.0,70.0,0.0,,,outside the scan: time 70 is not between -10 and 60\n\
+         e,0.0,20.0,120.0,,,the point lies behind the camera: depth -20\n"
+    );
+    folder.write("clicks.csv", "105 20\n80 3\n80 61\n");
+    let inverse = ["--inverse", "--plane", "ground.json", "clicks.csv"];
+    let run = folder.succeed(&[&["project", "--camera", "scanner.json"], &inverse[..]].concat());
+    let lines: Vec<_> = run.stdout.lines().skip(1).collect();
+    let expected = [[-5.0, 20.0, 0.0], [20.0, 3.0, 0.0]];
+    for (line, world) in lines.iter().zip(expected) {
+        for (field, w) in line.split(',').skip(1).zip(world) {
+            assert!((field.parse::<f64>().unwrap() - w).abs() < 1e-12, "{line}");
+        }
+    }
+    assert_eq!(lines[2], ",,,,80.0,61.0,outside the scan: time 61 is not between -10 and 60");
+}

@@ -190,7 +190,7 @@ impl Interior {
         }
     }
 
-    fn check(&self) -> Result<(), FieldError> {
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
         let distances = |values: &[f64]| {
             let [least, most] = PRINCIPAL_DISTANCE;
             let expected = "a number from 1e-6 to 1e9 (pixels)";
@@ -271,26 +271,25 @@ fn check_colmap(model: &str, parameters: &[f64]) -> Result<(), FieldError> {
 }
 
 impl Exterior {
-    fn check(&self) -> Result<(), FieldError> {
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
         finite("projection_center", &self.projection_center)?;
         match &self.rotation {
-            Rotation::QuaternionWxyz(q) => {
-                let field = "quaternion_wxyz";
-                finite(field, q)?;
-                let length = norm(q);
-                if (length - 1.0).abs() > ROTATION_TOLERANCE {
-                    let expected = "1 within 0.001";
-                    return Err(FieldError::new(
-                        field,
-                        FieldProblem::Length { norm: length, expected },
-                    ));
-                }
-                Ok(())
-            }
+            Rotation::QuaternionWxyz(q) => check_quaternion("quaternion_wxyz", q),
             Rotation::OmegaPhiKappa(angles) => finite("omega_phi_kappa", angles),
             Rotation::RotationMatrix(rows) => check_rotation("rotation_matrix", rows),
         }
     }
+}
+
+/// Refuses a quaternion whose length is not one.
+pub(crate) fn check_quaternion(field: &str, q: &[f64; 4]) -> Result<(), FieldError> {
+    finite(field, q)?;
+    let length = norm(q);
+    if (length - 1.0).abs() > ROTATION_TOLERANCE {
+        let expected = "1 within 0.001";
+        return Err(FieldError::new(field, FieldProblem::Length { norm: length, expected }));
+    }
+    Ok(())
 }
 
 fn check_rotation(field: &str, rows: &[[f64; 3]; 3]) -> Result<(), FieldError> {

@@ -1,11 +1,13 @@
 //! From files to the library's types, and back.
 
+mod scanner;
+
 use std::sync::Arc;
 
 use collinear::ProjectionError;
 use collinear::camera::{
     Brown, BrownCamera, CentralCamera, CentralModel, ExteriorOrientation, Frame,
-    InteriorOrientation, Orthographic, SensorModel, brown_from_colmap, from_colmap,
+    InteriorOrientation, Orthographic, Panorama, SensorModel, brown_from_colmap, from_colmap,
 };
 use collinear::geometry::geodetic::GeoidGrid;
 use collinear::geometry::rotation::{OmegaPhiKappa, Quaternion, orthonormalised};
@@ -43,6 +45,17 @@ impl Camera {
             Self::Brown(camera) => camera,
             Self::Central(camera) => camera,
             Self::Orthographic(camera) => camera,
+        }
+    }
+
+    /// The camera as a sensor of its own.
+    #[must_use]
+    pub fn into_sensor(self) -> Box<dyn SensorModel> {
+        match self {
+            Self::Pinhole(camera) => Box::new(camera),
+            Self::Brown(camera) => Box::new(camera),
+            Self::Central(camera) => Box::new(camera),
+            Self::Orthographic(camera) => Box::new(camera),
         }
     }
 }
@@ -92,42 +105,11 @@ impl CameraFile {
     pub fn camera(&self) -> Result<Camera, Error> {
         self.check()?;
         let exterior = self.exterior.orientation()?;
-        Ok(match &self.interior {
-            Interior::Pinhole { principal_distance, principal_point, skew } => {
-                let interior = interior(*principal_distance, *principal_point, *skew)?;
-                Camera::Pinhole(Frame::new(exterior, interior))
-            }
-            Interior::Brown { principal_distance, principal_point, skew, k, p } => {
-                let interior = interior(*principal_distance, *principal_point, *skew)?;
-                let lens = Brown::new(*k, *p).map_err(in_field("interior.k"))?;
-                Camera::Brown(Frame::new(exterior, BrownCamera::new(interior, lens)))
-            }
-            Interior::Lens { principal_distance, principal_point, skew, lens } => {
-                let interior = interior(*principal_distance, *principal_point, *skew)?;
-                let model = lens.central(interior).map_err(|(field, source)| {
-                    Error::from(ErrorKind::Library { field: format!("interior.{field}"), source })
-                })?;
-                Camera::Central(Frame::new(exterior, Central(model)))
-            }
-            Interior::Panorama { projection, principal_distance, principal_point } => {
-                let (width, height) = (f64::from(self.width), f64::from(self.height));
-                let middle = [0.5 * width, 0.5 * height];
-                let whole = projection.principal_distance(width, height);
-                let distance = principal_distance.unwrap_or(whole);
-                let interior = interior(distance, principal_point.unwrap_or(middle), 0.0)?;
-                let model = CentralCamera::ideal(interior, *projection);
-                Camera::Central(Frame::new(exterior, Central(Arc::new(model))))
-            }
-            Interior::Colmap { model, parameters } => {
-                let refused = in_field("interior.parameters");
-                if let Some(camera) = brown_from_colmap(model, parameters).map_err(&refused)? {
-                    return Ok(Camera::Brown(Frame::new(exterior, camera)));
-                }
-                let model = from_colmap(model, parameters).map_err(refused)?;
-                Camera::Central(Frame::new(exterior, Central(Arc::from(model))))
-            }
-            Interior::Orthographic { pixels_per_unit: [sx, sy], principal_point: [x, y] } => {
-                let scale = Affine2::from_coefficients([*x, *sx, 0.0], [*y, 0.0, *sy]);
+        Ok(match self.interior.model_of([self.width, self.height])? {
+            Model::Pinhole(interior) => Camera::Pinhole(Frame::new(exterior, interior)),
+            Model::Brown(camera) => Camera::Brown(Frame::new(exterior, camera)),
+            Model::Central(camera) => Camera::Central(Frame::new(exterior, camera)),
+            Model::Orthographic(scale) => {
                 let camera = Orthographic::new(exterior, scale)
                     .map_err(in_field("interior.pixels_per_unit"))?;
                 Camera::Orthographic(camera)
@@ -173,6 +155,68 @@ impl CameraFile {
             exterior: Exterior::from_orientation(&frame.exterior),
         }
     }
+}
+
+/// An interior orientation as the library has it.
+enum Model {
+    Pinhole(InteriorOrientation),
+    Brown(BrownCamera),
+    Central(Central),
+    /// Pixels from the plane across the line of sight.
+    Orthographic(Affine2),
+}
+
+impl Interior {
+    /// The library's model, for a picture of this size.
+    fn model_of(&self, size: [u32; 2]) -> Result<Model, Error> {
+        Ok(match self {
+            Self::Pinhole { principal_distance, principal_point, skew } => {
+                Model::Pinhole(interior(*principal_distance, *principal_point, *skew)?)
+            }
+            Self::Brown { principal_distance, principal_point, skew, k, p } => {
+                let interior = interior(*principal_distance, *principal_point, *skew)?;
+                let lens = Brown::new(*k, *p).map_err(in_field("interior.k"))?;
+                Model::Brown(BrownCamera::new(interior, lens))
+            }
+            Self::Lens { principal_distance, principal_point, skew, lens } => {
+                let interior = interior(*principal_distance, *principal_point, *skew)?;
+                let model = lens.central(interior).map_err(|(field, source)| {
+                    Error::from(ErrorKind::Library { field: format!("interior.{field}"), source })
+                })?;
+                Model::Central(Central(model))
+            }
+            Self::Panorama { projection, principal_distance, principal_point } => {
+                let interior = panorama(*projection, *principal_distance, *principal_point, size)?;
+                Model::Central(Central(Arc::new(CentralCamera::ideal(interior, *projection))))
+            }
+            Self::Colmap { model, parameters } => {
+                let refused = in_field("interior.parameters");
+                match brown_from_colmap(model, parameters).map_err(&refused)? {
+                    Some(camera) => Model::Brown(camera),
+                    None => {
+                        let model = from_colmap(model, parameters).map_err(refused)?;
+                        Model::Central(Central(Arc::from(model)))
+                    }
+                }
+            }
+            Self::Orthographic { pixels_per_unit: [sx, sy], principal_point: [x, y] } => {
+                Model::Orthographic(Affine2::from_coefficients([*x, *sx, 0.0], [*y, 0.0, *sy]))
+            }
+        })
+    }
+}
+
+/// The interior orientation of a panorama, whole where the file leaves its scale open.
+fn panorama(
+    projection: Panorama,
+    principal_distance: Option<[f64; 2]>,
+    principal_point: Option<[f64; 2]>,
+    size: [u32; 2],
+) -> Result<InteriorOrientation, Error> {
+    let [width, height] = size.map(f64::from);
+    let distance =
+        principal_distance.unwrap_or_else(|| projection.principal_distance(width, height));
+    interior(distance, principal_point.unwrap_or([0.5 * width, 0.5 * height]), 0.0)
 }
 
 impl Exterior {

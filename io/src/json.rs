@@ -14,6 +14,7 @@ use serde::de::DeserializeOwned;
 use crate::atomic::write_atomically;
 use crate::error::{Error, ErrorKind, FieldError};
 
+pub(crate) use header::kind_of;
 use header::{Body, Headed};
 
 /// The longest text that is read: a gibibyte, past any camera or scene and most reconstructions.

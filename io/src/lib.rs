@@ -2,7 +2,8 @@
 //!
 //! | what | module | format |
 //! | --- | --- | --- |
-//! | camera, plane, map, scene | [`camera`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
+//! | camera, scanner, plane, map, scene | [`camera`], [`scanner`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
+//! | a sensor of any kind | [`sensor`] | one of the above |
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
@@ -45,7 +46,9 @@ pub mod opensfm;
 pub mod picture;
 pub mod plane;
 pub mod points;
+pub mod scanner;
 pub mod scene;
+pub mod sensor;
 
 pub use atomic::write_atomically;
 pub use error::{

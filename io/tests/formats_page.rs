@@ -5,6 +5,7 @@ use collinear_io::camera::CameraFile;
 use collinear_io::map::MapFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::parse_points;
+use collinear_io::scanner::ScannerFile;
 use collinear_io::scene::SceneFile;
 
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
@@ -99,6 +100,13 @@ fn the_examples_of_the_formats_page_are_files() {
         kinds.push(kind);
         match kind {
             "camera" => survives::<CameraFile>(text),
+            "scanner" => {
+                survives::<ScannerFile>(text);
+                ScannerFile::parse(text)
+                    .unwrap()
+                    .sensor()
+                    .unwrap_or_else(|e| panic!("{e}\n{text}"));
+            }
             "plane" => survives::<PlaneFile>(text),
             "map" => survives::<MapFile>(text),
             "scene" => survives::<SceneFile>(text),
@@ -106,7 +114,7 @@ fn the_examples_of_the_formats_page_are_files() {
         }
     }
     kinds.dedup();
-    assert_eq!(kinds, ["camera", "plane", "map", "scene"]);
+    assert_eq!(kinds, ["camera", "scanner", "plane", "map", "scene"]);
     for text in blocks(&page, "csv") {
         assert_eq!(parse_points(text).unwrap().len(), 2);
     }

@@ -1,9 +1,12 @@
 //! Scanning cameras against mpmath, and the laws that each of them keeps.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use collinear::ProjectionError;
 use collinear::camera::{
     Adjustable, Brown, BrownCamera, CentralCamera, Ephemeris, ExteriorOrientation, Frame,
-    ImageMotionCompensation, InteriorOrientation, Interpolation, Panorama, PolynomialTrajectory,
-    ScanTime, Scanner, SensorModel, Trajectory,
+    ImageMotionCompensation, InteriorOrientation, Interpolation, Panorama, PlatformState,
+    PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
 };
 use collinear::geometry::rotation::Quaternion;
 use collinear::geometry::{Plane, Surface};
@@ -283,6 +286,70 @@ fn a_pushbroom_that_looks_ahead_by_hand() {
     assert!((foot - Point2::new(1000.0 + 32000.0 / distance, 500.0)).norm() < 1e-10, "{foot}");
     let expected = Point2::new(1000.0 + 32000.0 / (0.875 * distance), 4000.0 / 7.0);
     assert!((top - expected).norm() < 1e-10, "{top}");
+}
+
+/// A trajectory that counts how often it is asked.
+#[derive(Debug)]
+struct Counting<T>(T, AtomicUsize);
+
+impl<T: Trajectory> Trajectory for Counting<T> {
+    fn span(&self) -> [f64; 2] {
+        self.0.span()
+    }
+
+    fn state(&self, time: f64) -> Result<PlatformState, ProjectionError> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.state(time)
+    }
+}
+
+/// Newton's steps, with the right derivatives, not bisection: both ends of the scan and a few poses between.
+#[test]
+fn a_point_is_found_with_few_poses() {
+    let camera = InteriorOrientation::new([2000.0; 2], Point2::new(500.0, 500.0), 0.3).unwrap();
+    let velocity = Vector3::new(3.0, 70.0, -2.0);
+    let flight = || {
+        let turn = Vector3::new(0.05, 0.1, -0.07);
+        let start = down(Point3::new(0.0, 0.0, 800.0));
+        let flight = PolynomialTrajectory::constant_velocity(start, 0.0, velocity, turn).unwrap();
+        Counting(flight, AtomicUsize::new(0))
+    };
+    let times: Vec<f64> = (0..=40).map(|k| 0.1 * f64::from(k)).collect();
+    let positions: Vec<_> =
+        times.iter().map(|t| Point3::new(t.sin(), 70.0 * t, 800.0 + t.cos())).collect();
+    let attitudes: Vec<_> = times
+        .iter()
+        .map(|t| {
+            let level = down(Point3::origin()).camera_from_world();
+            Rotation3::new(Vector3::new(0.02 * t.sin(), 0.03 * (2.0 * t).cos(), 0.01 * t)) * level
+        })
+        .collect();
+    let table = |how| {
+        let table = Ephemeris::new((&times, &positions, how), (&times, &attitudes, how)).unwrap();
+        Counting(table, AtomicUsize::new(0))
+    };
+    let lines = ScanTime::by_line(0.0, 0.002, [0.0, 1000.0]).unwrap();
+    let ground = Plane::from_point_and_normal(Point3::origin(), Vector3::z()).unwrap();
+    let count = |sensor: &dyn SensorModel, counter: &AtomicUsize| {
+        let mut most = 0;
+        for k in 0..1000 {
+            let image = Point2::new(f64::from(k), (f64::from(k) * 0.618).fract() * 1000.0);
+            let world = sensor.ground(&image, &ground).unwrap();
+            let before = counter.load(Ordering::Relaxed);
+            assert!((sensor.project(&world).unwrap() - image).norm() < 1e-9);
+            most = most.max(counter.load(Ordering::Relaxed) - before);
+        }
+        most
+    };
+    let scanner = Scanner::line_scan(camera, flight(), 500.0, lines).unwrap();
+    assert!(count(&scanner, &scanner.trajectory().1) <= 6);
+    let shutter = Scanner::frame_scan(camera, flight(), lines).unwrap();
+    assert!(count(&shutter, &shutter.trajectory().1) <= 7);
+    let scanner = Scanner::line_scan(camera, table(Interpolation::Lagrange(8)), 500.0, lines);
+    let scanner = scanner.unwrap();
+    assert!(count(&scanner, &scanner.trajectory().1) <= 8);
+    let scanner = Scanner::line_scan(camera, table(Interpolation::Linear), 500.0, lines).unwrap();
+    assert!(count(&scanner, &scanner.trajectory().1) <= 12);
 }
 
 /// A platform that nods sees some points three times: each image is one, and the ground of it is the point.

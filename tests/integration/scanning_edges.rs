@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use collinear::camera::{
     Adjustable, CentralCamera, CentralModel, Ephemeris, ExteriorOrientation,
     ImageMotionCompensation, InteriorOrientation, Interpolation, NoDistortion, Panorama,
-    PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
+    PlatformState, PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
 };
 use collinear::nalgebra::{Point2, Point3, Rotation3, Vector3};
 use collinear::{Error, ProjectionError};
@@ -78,6 +78,44 @@ fn a_platform_that_stands_still_images_no_point_on_a_line() {
         Err(ProjectionError::OutsideScan { time, .. }) if time.is_nan()
     ));
     assert!(scanner.project_jacobian(&Point3::new(1.0, 0.0, 0.0)).is_err());
+}
+
+/// A platform that is set forward by a gap at t = 5.
+#[derive(Debug)]
+struct Jump(f64);
+
+impl Trajectory for Jump {
+    fn span(&self) -> [f64; 2] {
+        [-1.0, 11.0]
+    }
+
+    fn state(&self, t: f64) -> Result<PlatformState, ProjectionError> {
+        let y = if t < 5.0 { t } else { t + self.0 };
+        let still = down(Point3::new(0.0, y, 100.0)).state(t)?;
+        Ok(PlatformState { velocity: Vector3::y(), ..still })
+    }
+}
+
+#[test]
+fn a_point_between_two_lines_is_not_converged_rather_than_on_a_wrong_line() {
+    for gap in [0.3, 3.0] {
+        let lines = ScanTime::by_line(0.0, 1.0, [0.0, 10.0]).unwrap();
+        let scanner =
+            Scanner::line_scan(interior(1000.0, 100.0, 0.5), Jump(gap), 0.5, lines).unwrap();
+        match scanner.project(&Point3::new(1.0, 5.0 + 0.25 * gap, 0.0)) {
+            Err(ProjectionError::NotConverged { residual, .. }) => {
+                // A quarter of the gap from one line, three quarters from the other.
+                let off = residual / gap;
+                assert!((off - 0.25).abs() < 1e-6 || (off - 0.75).abs() < 1e-6, "{residual}");
+            }
+            other => panic!("{gap}: {other:?}"),
+        }
+        for y in [0.5, 4.999, 5.001 + gap, 9.5 + gap] {
+            let p = scanner.project(&Point3::new(1.0, y, 0.0)).unwrap();
+            let line = if y < 5.0 { y } else { y - gap };
+            assert!((p.y - line).abs() < 1e-9, "{p}");
+        }
+    }
 }
 
 /// A panorama of a whole turn: behind is the seam, and no root is found in it.
@@ -220,12 +258,14 @@ fn tables_are_refused_with_a_reason() {
     for t in [0.4, 2.6, f64::NAN, f64::INFINITY] {
         assert!(matches!(whole.state(t), Err(ProjectionError::OutsideScan { .. })), "{t}");
     }
-    // A scan that the table does not cover.
-    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 2.0]).unwrap();
-    assert!(matches!(
-        Scanner::line_scan(interior(100.0, 0.0, 0.0), whole, 0.0, lines),
-        Err(Error::OutOfRange { what: "time of the scan", .. })
-    ));
+    // A scan that the table does not cover at its start, or at its end.
+    for lines in [[0.0, 2.0], [1.0, 3.0]] {
+        let lines = ScanTime::by_line(0.0, 1.0, lines).unwrap();
+        assert!(matches!(
+            Scanner::line_scan(interior(100.0, 0.0, 0.0), whole.clone(), 0.0, lines),
+            Err(Error::OutOfRange { what: "time of the scan", value, .. }) if value == 0.0 || value == 3.0
+        ));
+    }
 }
 
 #[test]

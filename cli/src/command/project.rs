@@ -7,9 +7,9 @@ use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use collinear_cli::project::{ground, project, to_csv};
 use collinear_io::Document;
-use collinear_io::camera::CameraFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::{read_image_points, read_points};
+use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
 use super::{Files, in_file, say};
@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "POINTS.csv")]
     points: PathBuf,
 
-    /// The camera (JSON)
+    /// The camera or scanner (JSON)
     #[arg(short, long, value_name = "CAMERA.json")]
     camera: PathBuf,
 
@@ -46,7 +46,7 @@ X, Y, Z are world coordinates in the camera's unit; x, y are pixels from the top
 top-left pixel, through the lens. The table has the columns id, X, Y, Z, x, y, status. The status is \
 `ok`, `outside the picture` (x and y are given all the same), or the reason why there are none: the \
 point lies behind the camera or beyond the radius where the lens folds back, the line of sight does \
-not meet the plane. Numbers are written with as many digits as bring back the same 64 bits. A list \
+not meet the plane, no time of the scan sees the point. Numbers are written with as many digits as bring back the same 64 bits. A list \
 with a header and no points gives a table without lines, an empty file is an error.";
 
 const AFTER: &str = "\
@@ -68,7 +68,7 @@ impl Arguments {
         if let Some(path) = &self.plane {
             files.input("the plane", path)?;
         }
-        let camera = CameraFile::read(&self.camera)?;
+        let camera = SensorFile::read(&self.camera)?;
         let rows = if self.inverse {
             let path = self.plane.as_ref().context("--inverse needs --plane")?;
             let plane = PlaneFile::read(path)?;

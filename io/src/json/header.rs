@@ -35,6 +35,11 @@ pub(super) fn check(text: &str, kind: &'static str, version: u64) -> Result<(), 
     }
 }
 
+/// The kind that a document says it is.
+pub(crate) fn kind_of(text: &str) -> Result<Option<String>, Error> {
+    super::from_text::<Object<Header>>(text).map(|Object(header)| header.collinear)
+}
+
 /// A document with its header, to write.
 #[derive(Serialize)]
 pub(super) struct Headed<'a, T> {

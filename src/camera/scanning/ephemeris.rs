@@ -57,6 +57,8 @@ pub struct Ephemeris {
     position_between: Interpolation,
     attitude_times: Nodes,
     attitudes: Vec<Vector4<f64>>,
+    /// Of the great circles: the rotation vectors from each attitude to the next.
+    turns: Vec<Vector3<f64>>,
     attitude_between: Interpolation,
 }
 
@@ -114,6 +116,11 @@ impl Ephemeris {
             positions: positions.1.to_vec(),
             position_between: positions.2,
             attitude_times,
+            turns: attitudes
+                .1
+                .windows(2)
+                .map(|pair| RotationVector::from_rotation(&(pair[1] * pair[0].inverse())).vector())
+                .collect(),
             attitudes: quaternions,
             attitude_between: attitudes.2,
         };
@@ -136,9 +143,9 @@ impl Ephemeris {
                 Ok(Place { node: a, way: (b - a) * share, velocity: (b - a) / step })
             }
             Interpolation::Lagrange(count) => {
-                let window = self.position_times.lagrange(time, count)?;
-                let nodes = &self.positions[window.first..window.first + window.len];
-                let middle = nodes[window.len / 2];
+                let window = self.position_times.lagrange(time)?;
+                let nodes = &self.positions[window.first..window.first + count];
+                let middle = nodes[count / 2];
                 let (mut way, mut velocity) = (Vector3::zeros(), Vector3::zeros());
                 for (j, node) in nodes.iter().enumerate() {
                     // The weights add up to one, their slopes to zero.
@@ -155,15 +162,13 @@ impl Ephemeris {
         match self.attitude_between {
             Interpolation::Linear => {
                 let (i, share, step) = self.attitude_times.between(time)?;
-                let (a, b) = (self.attitudes[i], self.attitudes[i + 1]);
-                let from = rotation(&a)?;
-                let turn =
-                    RotationVector::from_rotation(&(rotation(&b)? * from.inverse())).vector();
-                Ok((RotationVector::new(turn * share).rotation() * from, turn / step))
+                let turn = self.turns[i];
+                let moved = RotationVector::new(turn * share).rotation();
+                Ok((moved * rotation(&self.attitudes[i])?, turn / step))
             }
             Interpolation::Lagrange(count) => {
-                let window = self.attitude_times.lagrange(time, count)?;
-                let nodes = &self.attitudes[window.first..window.first + window.len];
+                let window = self.attitude_times.lagrange(time)?;
+                let nodes = &self.attitudes[window.first..window.first + count];
                 let (mut q, mut slope) = (Vector4::zeros(), Vector4::zeros());
                 for (j, node) in nodes.iter().enumerate() {
                     q += node * window.weights[j];
@@ -211,10 +216,7 @@ fn nodes(
             count
         }
     };
-    if len < needed {
-        return Err(Error::TooFewPoints { needed, got: len });
-    }
-    Nodes::new(times, what)
+    Nodes::new(times, needed, what)
 }
 
 impl Trajectory for Ephemeris {

@@ -50,8 +50,8 @@ use search::Miss;
 ///
 /// # Ground to image
 /// The time solves one equation: for a line of detectors y_camera(t) = row, else t = start + q(t) · per_pixel. It is
-/// bracketed and solved by Newton's steps with the derivative of the trajectory, to 10⁻⁹ lines and usually to the last
-/// digit. A point that is seen more than once, as when the platform pitches back, gets one of its images, always the same. A point that no time of
+/// bracketed and solved by Newton's steps with the derivative of the trajectory, to 10⁻¹⁰ lines, or to 10⁻⁹ where the
+/// digits end before. A point that is seen more than once, as when the platform pitches back, gets one of its images, always the same. A point that no time of
 /// the scan sees is [`ProjectionError::OutsideScan`], with the time that the nearer end's slope leads to; an equation that
 /// does not come to 10⁻⁹ lines is [`ProjectionError::NotConverged`], with its residual in lines.
 ///
@@ -277,7 +277,7 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
         // A point of the first or last line may be found just beyond it.
         let [first, last] = self.timing.interval();
         let slack = LINES_BEYOND * self.timing.unit();
-        let (moment, sight) =
+        let (time, sight) =
             search::find([first - slack, last + slack], self.timing.unit(), |time| {
                 let sight = self.sight(world, time)?;
                 let miss = self.miss(&sight, time);
@@ -287,14 +287,11 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
                     Err(ProjectionError::NotFinite)
                 }
             })?;
-        let point = sight.point + sight.by_time * moment.step;
         let image = match self.detector {
-            // The step is added last: it has digits that the time has not.
             Detector::Line { .. } => {
-                let line = self.timing.line(moment.evaluated, point.x);
-                Point2::new(point.x, line + moment.step / self.timing.per_pixel().y)
+                Point2::new(sight.point.x, self.timing.line(time, sight.point.x))
             }
-            Detector::Frame => point,
+            Detector::Frame => sight.point,
         };
         Ok((collinearity::finite(image)?, sight))
     }

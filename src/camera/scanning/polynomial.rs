@@ -163,11 +163,9 @@ impl<B: Trajectory> Trajectory for PolynomialTrajectory<B> {
         };
         if !self.attitude.is_empty() {
             let (turned, rate) = horner(&self.attitude, s);
-            let vector = RotationVector::new(turned);
-            let turn = vector.rotation();
+            let (turn, left) = RotationVector::new(turned).rotation_with_left();
             state.camera_from_world = turn * base.camera_from_world;
-            state.angular_velocity =
-                turn * base.angular_velocity + vector.left_from_vector() * (rate / self.unit);
+            state.angular_velocity = turn * base.angular_velocity + left * (rate / self.unit);
         }
         Ok(state)
     }

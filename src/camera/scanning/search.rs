@@ -5,7 +5,7 @@ use crate::error::ProjectionError;
 /// The pieces in which the scan is searched where its ends do not enclose the moment.
 const PIECES: u32 = 64;
 
-/// A Newton step of so few lines ends the search: the next would be its square, or at a node of a table its share.
+/// A Newton step of so few lines is not taken: the search ends.
 const SURE: f64 = 1e-10;
 
 /// What a search that has come to the last digits must have reached, in lines.
@@ -33,25 +33,16 @@ impl Miss {
     }
 }
 
-/// A moment, and how far Newton's last step led from the last evaluation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Moment {
-    /// Where the function was evaluated last.
-    pub(super) evaluated: f64,
-    /// The root is at `evaluated + step`.
-    pub(super) step: f64,
-}
-
 /// The time at which `miss` vanishes: the whole interval where its ends enclose a root, else the first of 64 pieces that do, or
 /// in which the function turns beyond zero.
 ///
-/// A change of sign that is a jump, as at the seam of a panorama, is passed over. The root is exact to a nanoline:
-/// `unit` is the time of a line.
+/// A change of sign that is a jump, as at the seam of a panorama, is passed over; it is the error where the ends say that the
+/// root should be within. The root is exact to a nanoline: `unit` is the time of a line.
 pub(super) fn find<T>(
     interval: [f64; 2],
     unit: f64,
     mut miss: impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
-) -> Result<(Moment, T), ProjectionError> {
+) -> Result<(f64, T), ProjectionError> {
     let [first, last] = interval;
     let (start, end) = (miss(first), miss(last));
     if let (Ok((a, _)), Ok((b, _))) = (&start, &end)
@@ -86,7 +77,8 @@ pub(super) fn find<T>(
         before = after;
     }
     Err(match (stuck, reason) {
-        (Some(stuck), _) => stuck,
+        // A seam far from the point is none of its business.
+        (Some(stuck), _) if nearest >= first && nearest <= last => stuck,
         // Never before the camera, or never in its lens: the reason of an end.
         (None, Some(reason)) if !seen => reason,
         _ => ProjectionError::OutsideScan { time: nearest, first, last },
@@ -135,8 +127,8 @@ fn enclosed<T>(
 }
 
 enum Outcome<T> {
-    Found((Moment, T)),
-    /// A change of sign that is neither a root nor clearly a jump; the residual in lines.
+    Found((f64, T)),
+    /// A jump from one sign to the other; the residual in lines.
     Stuck {
         iterations: u32,
         residual: f64,
@@ -170,13 +162,10 @@ fn refine<T>(
         // At the last digits steps no longer shrink, and no float is left between neighbours.
         let at_the_end = lines > 0.5 * last || !(middle > a && middle < b);
         if lines <= SURE || lines <= NANOLINE && at_the_end {
-            return Outcome::Found((Moment { evaluated: t, step }, rest));
+            return Outcome::Found((t, rest));
         }
         if !(middle > a && middle < b) {
-            // Further than a line from zero with no time between: a jump.
-            let jump = !(lines <= 1.0);
-            let residual = lines;
-            return if jump { Outcome::None } else { Outcome::Stuck { iterations, residual } };
+            return Outcome::Stuck { iterations, residual: lines };
         }
         let next = t + step;
         let newton = next > a && next < b && lines <= 0.5 * last;

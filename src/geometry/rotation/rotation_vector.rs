@@ -99,6 +99,16 @@ impl RotationVector {
         Self::new(Vector3::from(axis) * angle)
     }
 
+    /// R, and the matrix of [`left_from_vector`](Self::left_from_vector), in less time than both.
+    pub(crate) fn rotation_with_left(&self) -> (Rotation3<f64>, Matrix3<f64>) {
+        let (angle, axis) = angle_axis([self.x, self.y, self.z]);
+        let (sine, cosine) = float::sin_cos(0.5 * angle);
+        let [x, y, z] = axis.map(|a| sine * a);
+        let rotation =
+            Rotation3::from_matrix_unchecked(to_matrix3(quaternion::matrix([cosine, x, y, z])));
+        (rotation, left(angle, axis, [sine, cosine]))
+    }
+
     /// The matrix whose columns are the left rotation vectors of a unit change of x, y, z.
     ///
     /// ```text
@@ -109,16 +119,21 @@ impl RotationVector {
     #[must_use]
     pub fn left_from_vector(&self) -> Matrix3<f64> {
         let (angle, axis) = angle_axis([self.x, self.y, self.z]);
-        if angle == 0.0 {
-            return Matrix3::identity();
-        }
-        let u = Vector3::from(axis);
-        let ratio = float::sin(angle) / angle;
-        let half = float::sin(0.5 * angle);
-        Matrix3::identity() * ratio
-            + u * u.transpose() * (1.0 - ratio)
-            + u.cross_matrix() * (2.0 * half * (half / angle))
+        let (sine, cosine) = float::sin_cos(0.5 * angle);
+        left(angle, axis, [sine, cosine])
     }
+}
+
+/// J of θ, u, and the sine and cosine of θ/2.
+fn left(angle: f64, axis: [f64; 3], [half, cosine]: [f64; 2]) -> Matrix3<f64> {
+    if angle == 0.0 {
+        return Matrix3::identity();
+    }
+    let u = Vector3::from(axis);
+    let ratio = 2.0 * half * cosine / angle;
+    Matrix3::identity() * ratio
+        + u * u.transpose() * (1.0 - ratio)
+        + u.cross_matrix() * (2.0 * half * (half / angle))
 }
 
 #[cfg(test)]

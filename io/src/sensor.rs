@@ -1,0 +1,61 @@
+//! Files of any sensor.
+
+use std::path::Path;
+
+use collinear::camera::SensorModel;
+
+use crate::camera::CameraFile;
+use crate::convert::Camera;
+use crate::error::Error;
+use crate::json::{Document, kind_of, read_text};
+use crate::scanner::ScannerFile;
+
+/// A sensor's file, of whichever kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SensorFile {
+    /// One exposure.
+    Camera(CameraFile),
+    /// A scan.
+    Scanner(Box<ScannerFile>),
+}
+
+impl SensorFile {
+    /// From text that says what it is.
+    ///
+    /// # Errors
+    /// As [`Document::parse`]; text of another kind is an error of a camera file.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        match kind_of(text)?.as_deref() {
+            Some(ScannerFile::KIND) => ScannerFile::parse(text).map(Box::new).map(Self::Scanner),
+            _ => CameraFile::parse(text).map(Self::Camera),
+        }
+    }
+
+    /// From a file.
+    ///
+    /// # Errors
+    /// As [`Document::read`].
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        read_text(path).and_then(|text| Self::parse(&text)).map_err(|e| e.in_file(path))
+    }
+
+    /// Width and height of the picture, pixels.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Camera(camera) => [camera.width, camera.height],
+            Self::Scanner(scanner) => [scanner.width, scanner.height],
+        }
+    }
+
+    /// The library's sensor.
+    ///
+    /// # Errors
+    /// As [`CameraFile::camera`] and [`ScannerFile::sensor`].
+    pub fn sensor(&self) -> Result<Box<dyn SensorModel>, Error> {
+        match self {
+            Self::Camera(camera) => camera.camera().map(Camera::into_sensor),
+            Self::Scanner(scanner) => scanner.sensor(),
+        }
+    }
+}
