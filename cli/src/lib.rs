@@ -6,9 +6,11 @@
 //! | `collinear rectify` | [`rectify::Rectification`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
+//! | `collinear convert` | [`convert::write`] |
 //!
 //! The mathematics is that of [`collinear`], the files are those of [`collinear_io`].
 
+pub mod convert;
 pub mod overlay;
 mod photograph;
 mod picture;

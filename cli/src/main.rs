@@ -21,7 +21,7 @@ struct Program {
 }
 
 const ABOUT: &str = "From photographs with known cameras: new views, rectified façades, projected \
-points, wire frames";
+points, wire frames, camera files of other programs";
 
 const AFTER: &str = "\
 Image coordinates are pixels from the top-left corner of the top-left pixel, x right, y down; its \
@@ -37,6 +37,7 @@ enum Command {
     Rectify(command::rectify::Arguments),
     Project(command::project::Arguments),
     Overlay(command::overlay::Arguments),
+    Convert(command::convert::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
         Command::Rectify(arguments) => arguments.run(),
         Command::Project(arguments) => arguments.run(),
         Command::Overlay(arguments) => arguments.run(),
+        Command::Convert(arguments) => arguments.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

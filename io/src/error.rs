@@ -204,6 +204,22 @@ pub enum ErrorKind {
     /// A geoid grid cannot be read.
     #[error(transparent)]
     Grid(#[from] GridProblem),
+    /// A file without cameras, or of a kind that is not known.
+    #[error(
+        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's or an OpenCV calibration (docs/coming-from.md)"
+    )]
+    NotCameras,
+    /// A text of another program is not in its format.
+    #[error("is no file of {program}'s: {reason}")]
+    Foreign {
+        /// The program.
+        program: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A binary file of another program cannot be read.
+    #[error(transparent)]
+    Binary(#[from] BinaryProblem),
     /// The extension of an output names no format that is written.
     #[error("has {}: name the output {expected}", extension(found.as_deref()))]
     Extension {
@@ -460,6 +476,54 @@ pub enum PictureProblem {
         found: usize,
         /// Samples there should be.
         expected: u64,
+    },
+}
+
+/// Why a binary file of another program cannot be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BinaryProblem {
+    /// The file ends too early.
+    #[error("is cut off: the {what} at byte {offset} is not there")]
+    CutOff {
+        /// What should stand there.
+        what: &'static str,
+        /// Where.
+        offset: u64,
+    },
+    /// A number that makes no sense.
+    #[error("is damaged: the {what} at byte {offset} is {found}")]
+    Value {
+        /// What stands there.
+        what: &'static str,
+        /// Where.
+        offset: u64,
+        /// The number.
+        found: u64,
+    },
+    /// A number that is NaN or infinite.
+    #[error("the {what} at byte {offset} is NaN or infinite")]
+    NotFinite {
+        /// What stands there.
+        what: &'static str,
+        /// Where.
+        offset: u64,
+    },
+    /// Text that is not UTF-8.
+    #[error("the {what} at byte {offset} is not UTF-8 text")]
+    NotText {
+        /// What stands there.
+        what: &'static str,
+        /// Where.
+        offset: u64,
+    },
+    /// Bytes after the end.
+    #[error("has {bytes} bytes more than its counts say, from byte {offset} on")]
+    Extra {
+        /// How many.
+        bytes: u64,
+        /// Where.
+        offset: u64,
     },
 }
 

@@ -5,6 +5,10 @@
 //! | camera, scanner, plane, map, scene | [`camera`], [`scanner`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
 //! | a sensor of any kind | [`sensor`] | one of the above |
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
+//! | cameras of a calibration | [`opencv`] | OpenCV's YAML and JSON, ROS's `camera_info` |
+//! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
+//! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
+//! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
 //! | geoid undulations | [`gtx`] | GTX |
@@ -39,10 +43,14 @@ mod error;
 mod json;
 
 pub mod camera;
+pub mod colmap;
 pub mod convert;
+pub mod gpu;
 pub mod gtx;
 pub mod map;
+pub mod opencv;
 pub mod opensfm;
+pub mod photographs;
 pub mod picture;
 pub mod plane;
 pub mod points;
@@ -52,6 +60,7 @@ pub mod sensor;
 
 pub use atomic::write_atomically;
 pub use error::{
-    Error, ErrorKind, FieldError, FieldProblem, GridProblem, LineProblem, PictureProblem,
+    BinaryProblem, Error, ErrorKind, FieldError, FieldProblem, GridProblem, LineProblem,
+    PictureProblem,
 };
 pub use json::Document;

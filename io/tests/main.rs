@@ -6,6 +6,7 @@ mod berlin;
 mod cameras;
 mod convert;
 mod documents;
+mod foreign;
 mod formats_page;
 mod gtx;
 mod hostile;

@@ -1,5 +1,6 @@
 //! The commands: their arguments, their messages, their outputs.
 
+pub(crate) mod convert;
 mod files;
 pub(crate) mod overlay;
 pub(crate) mod project;

@@ -1,0 +1,133 @@
+//! `collinear convert`.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, anyhow};
+use clap::{Args, ValueEnum};
+use collinear::geometry::projection::ClipConvention;
+use collinear_cli::convert::{Target, outputs, write};
+use collinear_io::colmap::Encoding;
+use collinear_io::opencv::Form;
+use collinear_io::photographs;
+
+use super::{Files, UsageError, in_file, positive, say};
+
+/// Convert cameras between the files of photogrammetric and computer-vision programs
+#[derive(Debug, Args)]
+#[command(long_about = LONG, after_help = AFTER)]
+pub(crate) struct Arguments {
+    /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, an OpenCV calibration
+    #[arg(value_name = "CAMERAS")]
+    input: PathBuf,
+
+    /// What to write
+    #[arg(long, value_name = "FORMAT")]
+    to: Format,
+
+    /// Only this photograph, by its name in CAMERAS; may be given again
+    #[arg(long, value_name = "NAME")]
+    photograph: Vec<String>,
+
+    /// For matrices: the depth of the near plane, world units
+    #[arg(long, value_name = "DEPTH", default_value = "0.1", value_parser = positive)]
+    near: f64,
+
+    /// For matrices: the depth of the far plane; without it depths have no end
+    #[arg(long, value_name = "DEPTH", value_parser = positive)]
+    far: Option<f64>,
+
+    /// The file of a single photograph, or the folder of several and of COLMAP's files
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Format {
+    /// Camera files, docs/formats.md
+    Camera,
+    /// COLMAP's cameras.txt, images.txt, points3D.txt
+    Colmap,
+    /// COLMAP's cameras.bin, images.bin, points3D.bin
+    ColmapBinary,
+    /// OpenCV's FileStorage, YAML
+    Opencv,
+    /// OpenCV's FileStorage, JSON
+    OpencvJson,
+    /// View and projection matrices for OpenGL and WebGL
+    Opengl,
+    /// View and projection matrices for Direct3D and Metal
+    Direct3d,
+    /// View and projection matrices for Vulkan
+    Vulkan,
+    /// View and projection matrices for wgpu and WebGPU
+    Wgpu,
+}
+
+const LONG: &str = "\
+Convert cameras between the files of photogrammetric and computer-vision programs.
+
+Pixel origins, axes and the order of parameters are those of each program: docs/coming-from.md says \
+which. A camera that the other program cannot have exactly, as a lens in a matrix, is an error and \
+nothing is written. Several photographs become files in the folder OUT, named like them.";
+
+const AFTER: &str = "\
+Examples:
+  collinear convert sparse/0 --to camera -o cameras/
+  collinear convert reconstruction.json --photograph 01.jpg --to opencv -o 01.yml
+  collinear convert south.json --to wgpu --near 1 -o south.matrices.json
+
+Exit codes: 0 done; 1 failed (old files are left as they were); 2 wrong usage, as an output that is \
+the input.";
+
+impl Arguments {
+    pub(crate) fn run(&self) -> Result<()> {
+        let mut files = Files::default();
+        files.input("the cameras", &self.input)?;
+        files.output("the output (-o)", &self.output)?;
+        let mut cameras = photographs::read(&self.input)?;
+        if !self.photograph.is_empty() {
+            for name in &self.photograph {
+                if !cameras.iter().any(|(n, _)| n == name) {
+                    let known: Vec<_> = cameras.iter().map(|(n, _)| n.as_str()).take(10).collect();
+                    let more = if cameras.len() > 10 { ", …" } else { "" };
+                    return Err(in_file(
+                        &self.input,
+                        anyhow!("has no photograph `{name}`: {}{more}", known.join(", ")),
+                    ));
+                }
+            }
+            cameras.retain(|(n, _)| self.photograph.contains(n));
+        }
+        let target = self.target()?;
+        for path in outputs(&cameras, target, &self.output).map_err(|e| in_file(&self.input, e))? {
+            if path != self.output {
+                files.output("an output", &path)?;
+            }
+        }
+        let paths = write(&cameras, target, &self.output).map_err(|e| in_file(&self.input, e))?;
+        if let [_, _, ..] = &paths[..] {
+            say(&format!("{} files in {}", paths.len(), self.output.display()));
+        }
+        Ok(())
+    }
+
+    fn target(&self) -> Result<Target, UsageError> {
+        let matrices = |convention| match self.far {
+            Some(far) if far <= self.near => {
+                Err(UsageError("--far is not beyond --near: give a greater depth".into()))
+            }
+            far => Ok(Target::Gpu(convention, self.near, far)),
+        };
+        match self.to {
+            Format::Camera => Ok(Target::Camera),
+            Format::Colmap => Ok(Target::Colmap(Encoding::Text)),
+            Format::ColmapBinary => Ok(Target::Colmap(Encoding::Binary)),
+            Format::Opencv => Ok(Target::OpenCv(Form::Yaml)),
+            Format::OpencvJson => Ok(Target::OpenCv(Form::Json)),
+            Format::Opengl => matrices(ClipConvention::OpenGl),
+            Format::Direct3d => matrices(ClipConvention::Direct3d),
+            Format::Vulkan => matrices(ClipConvention::Vulkan),
+            Format::Wgpu => matrices(ClipConvention::Wgpu),
+        }
+    }
+}

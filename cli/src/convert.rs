@@ -1,0 +1,100 @@
+//! Cameras from one program's files to another's.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, anyhow, bail};
+use collinear::geometry::projection::ClipConvention;
+use collinear_io::camera::CameraFile;
+use collinear_io::colmap::{Encoding, Reconstruction};
+use collinear_io::gpu::GpuCamera;
+use collinear_io::opencv::{self, Form};
+use collinear_io::{Document, write_atomically};
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// Camera files.
+    Camera,
+    /// A folder of COLMAP's.
+    Colmap(Encoding),
+    /// Calibrations of OpenCV's.
+    OpenCv(Form),
+    /// Matrices of a graphics interface, with the depths of the near and the far plane.
+    Gpu(ClipConvention, f64, Option<f64>),
+}
+
+impl Target {
+    /// The extension of one photograph's file; none where all photographs go into one folder of fixed names.
+    fn extension(self) -> Option<&'static str> {
+        match self {
+            Self::Camera | Self::Gpu(..) | Self::OpenCv(Form::Json) => Some("json"),
+            Self::OpenCv(Form::Yaml) => Some("yml"),
+            Self::Colmap(_) => None,
+        }
+    }
+}
+
+/// Where each photograph's file goes: the output itself for a single one, else a file in that folder, named like the
+/// photograph with the separators of its folders as underscores.
+///
+/// # Errors
+/// Two photographs whose files would have one name.
+pub fn outputs(
+    photographs: &[(String, CameraFile)],
+    target: Target,
+    output: &Path,
+) -> Result<Vec<PathBuf>> {
+    let (Some(extension), false) = (target.extension(), photographs.len() == 1) else {
+        return Ok(vec![output.to_owned()]);
+    };
+    let mut paths: Vec<PathBuf> = Vec::with_capacity(photographs.len());
+    for (name, _) in photographs {
+        let plain: String = name
+            .chars()
+            .map(|c| if c.is_control() || r#"/\:*?"<>|"#.contains(c) { '_' } else { c })
+            .collect();
+        let path = output.join(format!("{}.{extension}", plain.trim_start_matches('.')));
+        if paths.contains(&path) {
+            bail!(
+                "two photographs would be written as {}: choose one with --photograph",
+                path.display()
+            );
+        }
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// Writes the photographs' cameras.
+///
+/// # Errors
+/// A camera that the target cannot have, with the photograph's name; nothing is written before every camera is converted.
+pub fn write(
+    photographs: &[(String, CameraFile)],
+    target: Target,
+    output: &Path,
+) -> Result<Vec<PathBuf>> {
+    if photographs.is_empty() {
+        bail!("no photograph is in it");
+    }
+    let paths = outputs(photographs, target, output)?;
+    if let Target::Colmap(encoding) = target {
+        Reconstruction::from_photographs(photographs)?.write(output, encoding)?;
+        return Ok(paths);
+    }
+    let text = |camera: &CameraFile| match target {
+        Target::OpenCv(form) => opencv::to_text(camera, form),
+        Target::Gpu(convention, near, far) => {
+            GpuCamera::new(camera, convention, near, far).and_then(|c| c.to_json())
+        }
+        Target::Camera | Target::Colmap(_) => camera.to_json(),
+    };
+    let mut texts = Vec::with_capacity(photographs.len());
+    for (name, camera) in photographs {
+        texts.push(text(camera).map_err(|e| anyhow!("{name}: {e}"))?);
+    }
+    for (path, text) in paths.iter().zip(texts) {
+        write_atomically(path, |w| w.write_all(text.as_bytes()))?;
+    }
+    Ok(paths)
+}

@@ -1,0 +1,127 @@
+//! `collinear convert`.
+
+use collinear_io::Document;
+use collinear_io::camera::CameraFile;
+use serde_json::Value;
+
+use crate::support::{Folder, document, vertical};
+
+const COLMAP: [(&str, &str); 3] = [
+    ("sparse/cameras.txt", "1 SIMPLE_RADIAL 640 480 500 320 240 -0.1\n"),
+    (
+        "sparse/images.txt",
+        "1 1 0 0 0 0 0 0 1 left/a.jpg\n\n2 0.7071067811865476 0 0 0.7071067811865476 1 2 3 1 right/a.jpg\n\n",
+    ),
+    ("sparse/points3D.txt", ""),
+];
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("sparse")).unwrap();
+    for (name, text) in COLMAP {
+        folder.write(name, text);
+    }
+    folder
+}
+
+#[test]
+fn many_photographs_become_files_and_one_becomes_one() {
+    let folder = folder();
+    let run = folder.succeed(&["convert", "sparse", "--to", "camera", "-o", "cameras"]);
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", "collinear: 2 files in cameras\n"));
+    let camera = CameraFile::parse(&folder.text("cameras/right_a.jpg.json")).unwrap();
+    // A quarter turn about z: C = −Rᵀ (1, 2, 3) = (−2, 1, −3).
+    for (found, expected) in camera.exterior.projection_center.iter().zip([-2.0, 1.0, -3.0]) {
+        assert!((found - expected).abs() < 1e-15, "{camera:?}");
+    }
+    let one = ["convert", "sparse", "--to", "opencv", "--photograph", "left/a.jpg", "-o", "a.yml"];
+    let run = folder.succeed(&one);
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""));
+    let text = folder.text("a.yml");
+    assert!(
+        text.contains("data: [ 500.0, 0.0, 319.5, 0.0, 500.0, 239.5, 0.0, 0.0, 1.0 ]"),
+        "{text}"
+    );
+    assert!(text.contains("data: [ -0.1, 0.0, 0.0, 0.0, 0.0 ]"), "{text}");
+    // And back into COLMAP's files, which need no points.
+    folder.succeed(&["convert", "a.yml", "--to", "colmap-binary", "-o", "model"]);
+    folder.succeed(&["convert", "model", "--to", "colmap", "-o", "again"]);
+    assert!(
+        folder.text("again/cameras.txt").ends_with("1 OPENCV 640 480 500 500 320 240 -0.1 0 0 0\n")
+    );
+}
+
+#[test]
+fn a_camera_becomes_matrices() {
+    let folder = Folder::new();
+    folder.write("camera.json", document("camera", &vertical(400, 300, "")));
+    folder.succeed(&[
+        "convert",
+        "camera.json",
+        "--to",
+        "vulkan",
+        "--near",
+        "2",
+        "--far",
+        "10",
+        "-o",
+        "m.json",
+    ]);
+    let matrices: Value = serde_json::from_str(&folder.text("m.json")).unwrap();
+    // f = 100 on 400 × 300; far/(far − near) = 1.25 of z = −1 in the eye.
+    let p = &matrices["projection"];
+    for (i, expected) in [(0, 0.5), (5, -2.0 / 3.0), (10, -1.25), (11, -1.0), (14, -2.5)] {
+        assert!((p[i].as_f64().unwrap() - expected).abs() < 1e-15, "{i}: {p}");
+    }
+    let run = folder.run(&[
+        "convert",
+        "camera.json",
+        "--to",
+        "wgpu",
+        "--near",
+        "2",
+        "--far",
+        "1",
+        "-o",
+        "n.json",
+    ]);
+    assert_eq!(run.code, 2);
+    folder.write("lens.json", document("camera", &vertical(400, 300, r#", "k": [-0.1, 0, 0]"#)));
+    let run = folder.run(&["convert", "lens.json", "--to", "wgpu", "-o", "n.json"]);
+    assert_eq!(run.code, 1);
+    assert!(
+        run.stderr.contains("interior.model: is `brown`: a matrix has no lens"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn what_cannot_be_converted_is_refused_and_nothing_is_written() {
+    let folder = folder();
+    let says = |arguments: &[&str], code: i32, expected: &str| {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, code, "{}", run.stderr);
+        assert!(run.stderr.contains(expected), "{}", run.stderr);
+    };
+    says(&["convert", "sparse", "--to", "camera", "-o", "sparse"], 2, "name another output");
+    let other = ["convert", "sparse", "--to", "camera", "--photograph", "c.jpg", "-o", "out"];
+    says(&other, 1, "sparse: has no photograph `c.jpg`: left/a.jpg, right/a.jpg");
+    says(&["convert", "nowhere", "--to", "camera", "-o", "out"], 1, "nowhere: cannot be read");
+    folder.write("points.csv", "X,Y,Z\n1,2,3\n");
+    says(
+        &["convert", "points.csv", "--to", "camera", "-o", "out"],
+        1,
+        "points.csv: holds no cameras",
+    );
+    folder.write("sparse/images.txt", "1 1 0 0 0 0 0 0 1 a/b.jpg\n\n2 1 0 0 0 0 0 0 1 a_b.jpg\n\n");
+    says(
+        &["convert", "sparse", "--to", "camera", "-o", "out"],
+        1,
+        "two photographs would be written as",
+    );
+    folder.write("sparse/images.txt", "1 1 0 0 0 0 0 0 1 ../../up.jpg\n\n2 1 0 0 0 0 0 0 1 b\n\n");
+    folder.succeed(&["convert", "sparse", "--to", "opencv-json", "-o", "inside"]);
+    assert!(folder.path("inside/_.._up.jpg.json").is_file());
+    assert!(!folder.path("out").exists());
+}

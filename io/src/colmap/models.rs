@@ -1,0 +1,156 @@
+//! COLMAP's camera models as this crate's, and back.
+
+use collinear::camera::{COLMAP_MODELS, Panorama};
+
+use super::{Camera, model_name};
+use crate::camera::{CameraFile, FisheyeProjection, Interior, Lens};
+use crate::error::{FieldError, FieldProblem};
+
+impl Interior {
+    /// The same camera as one of the models with names of their own, where it is one of COLMAP's and there is one; else itself.
+    pub(crate) fn plain(&self, size: [u32; 2]) -> Self {
+        let Self::Colmap { model, parameters } = self else { return self.clone() };
+        plain(model, parameters, size).unwrap_or_else(|| self.clone())
+    }
+}
+
+fn plain(model: &str, parameters: &[f64], size: [u32; 2]) -> Option<Interior> {
+    // One principal distance or two, by the model's own names.
+    let (_, names) = COLMAP_MODELS.iter().find(|(name, _)| *name == model)?;
+    let (principal_distance, principal_point, rest) = match (names.first()?, parameters) {
+        (&"f", [f, cx, cy, rest @ ..]) => ([*f, *f], [*cx, *cy], rest),
+        (&"fx", [fx, fy, cx, cy, rest @ ..]) => ([*fx, *fy], [*cx, *cy], rest),
+        (&"w", [w, h]) => {
+            let whole = [*w, *h] == size.map(f64::from);
+            return whole.then_some(Interior::Panorama {
+                projection: Panorama::Equirectangular,
+                principal_distance: None,
+                principal_point: None,
+            });
+        }
+        _ => return None,
+    };
+    let skew = 0.0;
+    let brown =
+        |k: [f64; 3], p| Some(Interior::Brown { principal_distance, principal_point, skew, k, p });
+    let lens = |lens| {
+        let lens = Box::new(lens);
+        Some(Interior::Lens { principal_distance, principal_point, skew, lens })
+    };
+    let fisheye = |k| lens(Lens::Fisheye { projection: FisheyeProjection::Equidistant, k });
+    match (model, rest) {
+        ("SIMPLE_PINHOLE" | "PINHOLE", []) => {
+            Some(Interior::Pinhole { principal_distance, principal_point, skew })
+        }
+        ("SIMPLE_RADIAL", [k]) => brown([*k, 0.0, 0.0], [0.0; 2]),
+        ("RADIAL", [k1, k2]) => brown([*k1, *k2, 0.0], [0.0; 2]),
+        ("OPENCV", [k1, k2, p1, p2]) => brown([*k1, *k2, 0.0], [*p1, *p2]),
+        ("FULL_OPENCV", [k1, k2, p1, p2, k3, k4, k5, k6]) => {
+            let (k, p) = ([*k1, *k2, *k3, *k4, *k5, *k6], [*p1, *p2]);
+            lens(Lens::Rational { k, p, s: [0.0; 4], tau: [0.0; 2] })
+        }
+        ("SIMPLE_FISHEYE" | "FISHEYE", []) => fisheye([0.0; 4]),
+        ("SIMPLE_RADIAL_FISHEYE", [k]) => fisheye([*k, 0.0, 0.0, 0.0]),
+        ("RADIAL_FISHEYE", [k1, k2]) => fisheye([*k1, *k2, 0.0, 0.0]),
+        ("OPENCV_FISHEYE", [k1, k2, k3, k4]) => fisheye([*k1, *k2, *k3, *k4]),
+        ("THIN_PRISM_FISHEYE", [k1, k2, p1, p2, k3, k4, s1, s2]) => {
+            lens(Lens::ThinPrismFisheye { k: [*k1, *k2, *k3, *k4], p: [*p1, *p2], s: [*s1, *s2] })
+        }
+        ("RAD_TAN_THIN_PRISM_FISHEYE", [k0, k1, k2, k3, k4, k5, p0, p1, s0, s1, s2, s3]) => {
+            lens(Lens::Fisheye624 {
+                k: [*k0, *k1, *k2, *k3, *k4, *k5],
+                p: [*p0, *p1],
+                s: [*s0, *s1, *s2, *s3],
+            })
+        }
+        ("FOV", [omega]) => lens(Lens::FieldOfView { omega: *omega }),
+        ("SIMPLE_DIVISION" | "DIVISION", [lambda]) => lens(Lens::Division { lambda: *lambda }),
+        ("EUCM", [alpha, beta]) => lens(Lens::EnhancedUnified { alpha: *alpha, beta: *beta }),
+        _ => None,
+    }
+}
+
+impl Camera {
+    /// The COLMAP model of a camera file.
+    pub(super) fn from_file(file: &CameraFile) -> Result<Self, FieldError> {
+        let refused = |expected| {
+            let found = file.interior.model().into();
+            let problem = FieldProblem::Unsupported { found, expected };
+            Err(FieldError::new("interior.model", problem))
+        };
+        let none = "COLMAP has no such model";
+        let skewed = "COLMAP's models have no skew";
+        let of = |model: &'static str, f: &[f64; 2], c: &[f64; 2], rest: &[f64]| {
+            let parameters = [&f[..], &c[..], rest].concat();
+            Ok(Self { model, width: file.width, height: file.height, parameters })
+        };
+        match &file.interior {
+            Interior::Colmap { model, parameters } => match model_name(model) {
+                Some(model) => Ok(Self {
+                    model,
+                    width: file.width,
+                    height: file.height,
+                    parameters: parameters.clone(),
+                }),
+                None => refused(none),
+            },
+            Interior::Pinhole { skew, .. }
+            | Interior::Brown { skew, .. }
+            | Interior::Lens { skew, .. }
+                if *skew != 0.0 =>
+            {
+                refused(skewed)
+            }
+            Interior::Pinhole { principal_distance: f, principal_point: c, .. } => {
+                of("PINHOLE", f, c, &[])
+            }
+            Interior::Brown { principal_distance: f, principal_point: c, k, p, .. } => {
+                let [k1, k2, k3] = *k;
+                if k3 == 0.0 {
+                    of("OPENCV", f, c, &[k1, k2, p[0], p[1]])
+                } else {
+                    of("FULL_OPENCV", f, c, &[k1, k2, p[0], p[1], k3, 0.0, 0.0, 0.0])
+                }
+            }
+            Interior::Lens { principal_distance: f, principal_point: c, lens, .. } => match &**lens
+            {
+                Lens::Rational { k, p, s: [0.0, 0.0, 0.0, 0.0], tau: [0.0, 0.0] } => {
+                    let [k1, k2, k3, k4, k5, k6] = *k;
+                    of("FULL_OPENCV", f, c, &[k1, k2, p[0], p[1], k3, k4, k5, k6])
+                }
+                Lens::Rational { .. } => {
+                    refused("COLMAP has no thin prism or tilted sensor of a perspective")
+                }
+                Lens::Fisheye { projection: FisheyeProjection::Equidistant, k } => {
+                    of("OPENCV_FISHEYE", f, c, k)
+                }
+                Lens::ThinPrismFisheye { k, p, s } => {
+                    let [k1, k2, k3, k4] = *k;
+                    of("THIN_PRISM_FISHEYE", f, c, &[k1, k2, p[0], p[1], k3, k4, s[0], s[1]])
+                }
+                Lens::Fisheye624 { k, p, s } => {
+                    of("RAD_TAN_THIN_PRISM_FISHEYE", f, c, &[&k[..], p, s].concat())
+                }
+                Lens::FieldOfView { omega } => of("FOV", f, c, &[*omega]),
+                Lens::Division { lambda } => of("DIVISION", f, c, &[*lambda]),
+                Lens::EnhancedUnified { alpha, beta } => of("EUCM", f, c, &[*alpha, *beta]),
+                _ => refused(none),
+            },
+            Interior::Panorama {
+                projection: Panorama::Equirectangular,
+                principal_distance: None,
+                principal_point: None,
+            } => {
+                let [w, h] = [file.width, file.height].map(f64::from);
+                let parameters = vec![w, h];
+                Ok(Self {
+                    model: "EQUIRECTANGULAR",
+                    width: file.width,
+                    height: file.height,
+                    parameters,
+                })
+            }
+            Interior::Panorama { .. } | Interior::Orthographic { .. } => refused(none),
+        }
+    }
+}
