@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail};
 use collinear::geometry::projection::ClipConvention;
+use collinear_io::bundler::Bundle;
 use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gpu::GpuCamera;
@@ -15,6 +16,8 @@ use collinear_io::{Document, write_atomically};
 pub enum Target {
     /// Camera files.
     Camera,
+    /// Bundler's `bundle.out`, without points.
+    Bundler,
     /// A folder of COLMAP's.
     Colmap(Encoding),
     /// Calibrations of OpenCV's.
@@ -24,12 +27,12 @@ pub enum Target {
 }
 
 impl Target {
-    /// The extension of one photograph's file; none where all photographs go into one folder of fixed names.
+    /// The extension of one photograph's file; none where all photographs go into one output.
     fn extension(self) -> Option<&'static str> {
         match self {
             Self::Camera | Self::Gpu(..) | Self::OpenCv(Form::Json) => Some("json"),
             Self::OpenCv(Form::Yaml) => Some("yml"),
-            Self::Colmap(_) => None,
+            Self::Colmap(_) | Self::Bundler => None,
         }
     }
 }
@@ -82,12 +85,17 @@ pub fn write(
         Reconstruction::from_photographs(photographs)?.write(output, encoding)?;
         return Ok(paths);
     }
+    if target == Target::Bundler {
+        let text = Bundle::from_photographs(photographs)?.to_text();
+        write_atomically(output, |w| w.write_all(text.as_bytes()))?;
+        return Ok(paths);
+    }
     let text = |camera: &CameraFile| match target {
         Target::OpenCv(form) => opencv::to_text(camera, form),
         Target::Gpu(convention, near, far) => {
             GpuCamera::new(camera, convention, near, far).and_then(|c| c.to_json())
         }
-        Target::Camera | Target::Colmap(_) => camera.to_json(),
+        Target::Camera | Target::Colmap(_) | Target::Bundler => camera.to_json(),
     };
     let mut texts = Vec::with_capacity(photographs.len());
     for (name, camera) in photographs {

@@ -125,3 +125,39 @@ fn what_cannot_be_converted_is_refused_and_nothing_is_written() {
     assert!(folder.path("inside/_.._up.jpg.json").is_file());
     assert!(!folder.path("out").exists());
 }
+
+#[test]
+fn bundlers_file_needs_the_size_of_the_pictures() {
+    let folder = folder();
+    folder.succeed(&["convert", "sparse", "--to", "bundler", "-o", "bundle.out"]);
+    let text = folder.text("bundle.out");
+    // R and t with y and z turned round.
+    assert!(
+        text.starts_with("# Bundle file v0.3\n2 0\n500 -0.1 0\n1 0 0\n0 -1 0\n0 0 -1\n"),
+        "{text}"
+    );
+    let run = folder.run(&["convert", "bundle.out", "--to", "camera", "-o", "cameras"]);
+    assert_eq!(run.code, 1);
+    assert!(
+        run.stderr.contains("bundle.out: does not say how large its pictures are"),
+        "{}",
+        run.stderr
+    );
+    let back =
+        ["convert", "bundle.out", "--size", "640x480", "--to", "colmap-binary", "-o", "model"];
+    folder.succeed(&back);
+    folder.succeed(&[
+        "convert",
+        "model",
+        "--photograph",
+        "camera 1",
+        "--to",
+        "camera",
+        "-o",
+        "one.json",
+    ]);
+    let camera = CameraFile::parse(&folder.text("one.json")).unwrap();
+    for (found, expected) in camera.exterior.projection_center.iter().zip([-2.0, 1.0, -3.0]) {
+        assert!((found - expected).abs() < 1e-15, "{camera:?}");
+    }
+}

@@ -206,9 +206,12 @@ pub enum ErrorKind {
     Grid(#[from] GridProblem),
     /// A file without cameras, or of a kind that is not known.
     #[error(
-        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's or an OpenCV calibration (docs/coming-from.md)"
+        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out or an OpenCV calibration (docs/coming-from.md)"
     )]
     NotCameras,
+    /// A format without the size of its pictures, and none was given.
+    #[error("does not say how large its pictures are: give their width and height")]
+    NoPictureSize,
     /// A text of another program is not in its format.
     #[error("is no file of {program}'s: {reason}")]
     Foreign {

@@ -5,6 +5,7 @@
 //! | camera, scanner, plane, map, scene | [`camera`], [`scanner`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
 //! | a sensor of any kind | [`sensor`] | one of the above |
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
+//! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
 //! | cameras of a calibration | [`opencv`] | OpenCV's YAML and JSON, ROS's `camera_info` |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
 //! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
@@ -42,6 +43,7 @@ mod check;
 mod error;
 mod json;
 
+pub mod bundler;
 pub mod camera;
 pub mod colmap;
 pub mod convert;

@@ -5,21 +5,22 @@ use std::path::Path;
 use crate::camera::CameraFile;
 use crate::error::{Error, ErrorKind};
 use crate::json::{Document, kind_of, read_text};
-use crate::{colmap, opencv, opensfm};
+use crate::{bundler, colmap, opencv, opensfm};
 
 /// What the name of a photograph is whose file has none.
 const UNNAMED: &str = "camera";
 
-/// Reads photographs' names and cameras: a camera file, an OpenSfM reconstruction (its first), a COLMAP folder, a calibration of
-/// OpenCV's. The content says which.
+/// Reads photographs' names and cameras: a camera file, an OpenSfM reconstruction (its first), a COLMAP folder, Bundler's
+/// `bundle.out`, a calibration of OpenCV's. The content says which. Bundler's file does not say how large the pictures are:
+/// `size`, which the others do not need, does.
 ///
 /// # Errors
-/// [`ErrorKind::NotCameras`] for a file that is none of these, and those of the format it is.
-pub fn read(path: &Path) -> Result<Vec<(String, CameraFile)>, Error> {
+/// [`ErrorKind::NotCameras`] for a file that is none of these, [`ErrorKind::NoPictureSize`], and those of the format it is.
+pub fn read(path: &Path, size: Option<[u32; 2]>) -> Result<Vec<(String, CameraFile)>, Error> {
     if path.is_dir() {
         return colmap::Reconstruction::read(path)?.photographs();
     }
-    read_text(path).and_then(|text| parse(&text)).map_err(|e| e.in_file(path))
+    read_text(path).and_then(|text| parse(&text, size)).map_err(|e| e.in_file(path))
 }
 
 /// As [`read`], from the text of a file.
@@ -32,11 +33,11 @@ pub fn read(path: &Path) -> Result<Vec<(String, CameraFile)>, Error> {
 ///   "cameras": { "c": { "projection_type": "perspective", "width": 4000, "height": 3000, "focal": 0.9, "k1": 0, "k2": 0 } },
 ///   "shots": { "1.jpg": { "camera": "c", "rotation": [0, 0, 0], "translation": [0, 0, 5] } }
 /// }]"#;
-/// let (name, camera) = collinear_io::photographs::parse(text)?.remove(0);
+/// let (name, camera) = collinear_io::photographs::parse(text, None)?.remove(0);
 /// assert_eq!((name.as_str(), camera.exterior.projection_center), ("1.jpg", [0.0, 0.0, -5.0]));
 /// # Ok::<(), collinear_io::Error>(())
 /// ```
-pub fn parse(text: &str) -> Result<Vec<(String, CameraFile)>, Error> {
+pub fn parse(text: &str, size: Option<[u32; 2]>) -> Result<Vec<(String, CameraFile)>, Error> {
     let start = text.trim_start();
     if start.starts_with('[') {
         let model = opensfm::parse_reconstruction(text, 0)?;
@@ -45,6 +46,10 @@ pub fn parse(text: &str) -> Result<Vec<(String, CameraFile)>, Error> {
     }
     if start.starts_with('{') && kind_of(text)?.is_some() {
         return Ok(vec![(UNNAMED.into(), CameraFile::parse(text)?)]);
+    }
+    if start.starts_with("# Bundle file") {
+        let bundle = bundler::Bundle::parse(start)?;
+        return bundle.photographs(size.ok_or(ErrorKind::NoPictureSize)?);
     }
     if opencv::is_like(text) {
         return opencv::parse(text);

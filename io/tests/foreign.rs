@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use collinear::geometry::projection::ClipConvention;
 use collinear::nalgebra::{Matrix4, Point2, Point3, Vector2, Vector4};
+use collinear_io::bundler::Bundle;
 use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gpu::GpuCamera;
@@ -41,7 +42,7 @@ fn colmaps_folders_project_as_colmap_does() {
     let expected = json("colmap/expected.json");
     for form in ["text", "binary"] {
         let cameras: BTreeMap<_, _> =
-            photographs::read(&oracle("colmap").join(form)).unwrap().into_iter().collect();
+            photographs::read(&oracle("colmap").join(form), None).unwrap().into_iter().collect();
         let images = expected["images"].as_object().unwrap();
         assert_eq!(cameras.len(), 6);
         for (name, pairs) in images {
@@ -93,7 +94,7 @@ fn names_with_spaces_are_for_the_binary_form() {
 /// Out of COLMAP's files and into them again: the same pixels, the models by names of our own.
 #[test]
 fn photographs_survive_colmap() {
-    let before = photographs::read(&oracle("colmap/text")).unwrap();
+    let before = photographs::read(&oracle("colmap/text"), None).unwrap();
     let model = Reconstruction::from_photographs(&before).unwrap();
     let after = model.photographs().unwrap();
     let expected = json("colmap/expected.json");
@@ -114,14 +115,14 @@ fn opencvs_calibrations_project_as_opencv_does() {
     let expected = json("opencv/expected.json");
     let world: Vec<_> = expected["world"].as_array().unwrap().iter().map(three).collect();
     for (name, views) in expected["images"].as_object().unwrap() {
-        let cameras = photographs::read(&oracle("opencv").join(name)).unwrap();
+        let cameras = photographs::read(&oracle("opencv").join(name), None).unwrap();
         assert_eq!(cameras.len(), 2);
         for ((view, camera), images) in cameras.iter().zip(views.as_array().unwrap()) {
             // Written by us in either form, and read again, too.
             let forms = [opencv::Form::Yaml, opencv::Form::Json];
             let written = forms.map(|form| {
                 let text = opencv::to_text(camera, form).unwrap();
-                photographs::parse(&text).unwrap().remove(0).1
+                photographs::parse(&text, None).unwrap().remove(0).1
             });
             for camera in [camera, &written[0], &written[1]] {
                 for (world, image) in world.iter().zip(images.as_array().unwrap()) {
@@ -139,15 +140,73 @@ fn ros_camera_info_is_read() {
     let text = "image_width: 640\nimage_height: 480\ncamera_name: left\ncamera_matrix:\n  rows: 3\n  cols: 3\n  \
         data: [1000, 0, 319.5, 0, 1000, 239.5, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  \
         rows: 1\n  cols: 5\n  data: [-0.28, 0.07, 0.001, -0.0005, 0.002]\n";
-    let (_, camera) = photographs::parse(text).unwrap().remove(0);
+    let (_, camera) = photographs::parse(text, None).unwrap().remove(0);
     // OpenCV 5.0.0, projectPoints, and half a pixel.
     sees(&camera, [0.31, -0.22, 1.0], [617.607_622_086_597_5, 28.887_816_583_705_02]);
     let fisheye = text.replace("plumb_bob", "equidistant").replace(", 0.002]", "]");
-    assert_eq!(photographs::parse(&fisheye).unwrap()[0].1.interior.model(), "fisheye");
+    assert_eq!(photographs::parse(&fisheye, None).unwrap()[0].1.interior.model(), "fisheye");
+}
+
+/// f = 500, the world's axes turned a quarter about z: P = (−Y, X, Z) + t.
+const BUNDLE: &str = "# Bundle file v0.3\n2 1\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n500 -0.1 0.02\n0 -1 0\n1 0 0\n0 0 1\n\
+    1 2 -3\n4 5 -7\n1 2 3\n1 1 9 -198 297\n";
+
+#[test]
+fn bundlers_cameras_look_along_minus_z_with_y_up() {
+    let bundle = Bundle::parse(BUNDLE).unwrap();
+    let cameras = photographs::parse(BUNDLE, Some([640, 480])).unwrap();
+    let [(name, camera)] = &cameras[..] else { panic!() };
+    assert_eq!(name, "camera 1");
+    // P = (−4, 6, −10), p = (−0.4, 0.6), r² = 0.52: 1 − 0.052 + 0.005408 = 0.953408.
+    let (x, y) = (-200.0 * 0.953_408, 300.0 * 0.953_408);
+    sees(camera, [4.0, 5.0, -7.0], [320.0 + x, 240.0 - y]);
+    assert_eq!(bundle.points[0].views[0].pixel([640, 480]), [122.0, -57.0]);
+    assert_eq!(Bundle::parse(&bundle.to_text()).unwrap(), bundle);
+    let again = Bundle::from_photographs(&cameras).unwrap();
+    assert_eq!(again.cameras, bundle.cameras[1..]);
+    let refuses = |text: &str, expected: &str| {
+        let error = photographs::parse(text, Some([640, 480])).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\n{expected}");
+    };
+    refuses(&BUNDLE.replace("v0.3", "v0.4"), "line 1: says `# Bundle file v0.4`");
+    refuses(&BUNDLE.replace("1 1 9", "1 2 9"), "view in line 15: names a camera `2`");
+    refuses(&BUNDLE.replace("-198 297", "-198"), "line 15: image point is ``");
+    refuses(&BUNDLE.replace("2 1\n0", "99999999999 1\n0"), "is `");
+    refuses(
+        &BUNDLE.replace("0 -1 0", "0 -2 0"),
+        "camera 1.exterior.rotation_matrix: is no rotation",
+    );
+    refuses(&BUNDLE.replace("500", "nan"), "line 8: f, k1, k2 is `nan`");
+    let error = photographs::parse(BUNDLE, None).unwrap_err().to_string();
+    assert!(error.contains("does not say how large its pictures are"), "{error}");
+    let off = CameraFile { width: 641, ..camera.clone() };
+    assert!(Bundle::from_photographs(&[("a".into(), off)]).is_err());
+}
+
+/// A published bundle: its points fall where they were measured, to a fraction of a pixel.
+#[test]
+fn a_published_bundle_meets_its_measurements() {
+    let Some(path) = crate::shared_data("bal/Balbianello.out") else { return };
+    let bundle = Bundle::read(&path).unwrap();
+    assert_eq!((bundle.cameras.len(), bundle.points.len()), (5, 544));
+    let size = [640, 480];
+    let cameras: Vec<_> =
+        bundle.photographs(size).unwrap().iter().map(|(_, c)| c.camera().unwrap()).collect();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for point in &bundle.points {
+        for view in &point.views {
+            let image = cameras[view.camera].sensor().project(&Point3::from(point.world)).unwrap();
+            sum += (image - Point2::from(view.pixel(size))).norm_squared();
+            count += 1.0;
+        }
+    }
+    let rms: f64 = (sum / count as f64).sqrt();
+    assert!(count > 1000.0 && rms < 1.0, "{rms} of {count}");
+    assert_eq!(Bundle::parse(&bundle.to_text()).unwrap(), bundle);
 }
 
 fn refuses(text: &str, expected: &str) {
-    let error = photographs::parse(text).unwrap_err().to_string();
+    let error = photographs::parse(text, None).unwrap_err().to_string();
     assert!(error.contains(expected), "{error}\n{expected}");
 }
 
@@ -330,7 +389,7 @@ proptest! {
             let at = (at * bytes.len() as f64) as usize;
             if cut { bytes.truncate(at); } else { bytes[at] = byte; }
             let text = String::from_utf8_lossy(&bytes);
-            let _ = photographs::parse(&text);
+            let _ = photographs::parse(&text, None);
             let cameras = "1 PINHOLE 640 480 500 500 320 240\n";
             let _ = Reconstruction::parse_text(cameras, &text, "");
             let _ = Reconstruction::parse_text(&text, "", "");

@@ -10,13 +10,14 @@ use collinear_io::colmap::Encoding;
 use collinear_io::opencv::Form;
 use collinear_io::photographs;
 
-use super::{Files, UsageError, in_file, positive, say};
+use super::{Files, Size, UsageError, in_file, positive, say};
 
 /// Convert cameras between the files of photogrammetric and computer-vision programs
 #[derive(Debug, Args)]
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
-    /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, an OpenCV calibration
+    /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, Bundler's bundle.out, an
+    /// OpenCV calibration
     #[arg(value_name = "CAMERAS")]
     input: PathBuf,
 
@@ -27,6 +28,10 @@ pub(crate) struct Arguments {
     /// Only this photograph, by its name in CAMERAS; may be given again
     #[arg(long, value_name = "NAME")]
     photograph: Vec<String>,
+
+    /// Width and height of the pictures, where CAMERAS does not say: bundle.out
+    #[arg(long, value_name = "WxH", value_parser = Size::parse)]
+    size: Option<Size>,
 
     /// For matrices: the depth of the near plane, world units
     #[arg(long, value_name = "DEPTH", default_value = "0.1", value_parser = positive)]
@@ -49,6 +54,8 @@ enum Format {
     Colmap,
     /// COLMAP's cameras.bin, images.bin, points3D.bin
     ColmapBinary,
+    /// Bundler's bundle.out, version 0.3
+    Bundler,
     /// OpenCV's FileStorage, YAML
     Opencv,
     /// OpenCV's FileStorage, JSON
@@ -84,7 +91,7 @@ impl Arguments {
         let mut files = Files::default();
         files.input("the cameras", &self.input)?;
         files.output("the output (-o)", &self.output)?;
-        let mut cameras = photographs::read(&self.input)?;
+        let mut cameras = photographs::read(&self.input, self.size.map(|s| [s.width, s.height]))?;
         if !self.photograph.is_empty() {
             for name in &self.photograph {
                 if !cameras.iter().any(|(n, _)| n == name) {
@@ -122,6 +129,7 @@ impl Arguments {
             Format::Camera => Ok(Target::Camera),
             Format::Colmap => Ok(Target::Colmap(Encoding::Text)),
             Format::ColmapBinary => Ok(Target::Colmap(Encoding::Binary)),
+            Format::Bundler => Ok(Target::Bundler),
             Format::Opencv => Ok(Target::OpenCv(Form::Yaml)),
             Format::OpencvJson => Ok(Target::OpenCv(Form::Json)),
             Format::Opengl => matrices(ClipConvention::OpenGl),
