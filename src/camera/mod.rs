@@ -21,6 +21,7 @@ mod homogeneous;
 mod interior;
 mod orthographic;
 mod parameters;
+pub mod rpc;
 
 use core::fmt::Debug;
 
@@ -42,6 +43,7 @@ pub use homogeneous::HomogeneousCamera;
 pub use interior::InteriorOrientation;
 pub use orthographic::Orthographic;
 pub use parameters::Parametrised;
+pub use rpc::{Rpc, RpcSensor};
 
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Locus, Surface};
