@@ -6,6 +6,7 @@
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
+//! | rational polynomial cameras | [`rpc`] | JSON, RPB, `_RPC.TXT`, DIMAP XML, GDAL's XML, OSSIM `.geom`, GeoTIFF |
 //! | geoid undulations | [`gtx`] | GTX |
 //!
 //! Readers give plain values and know no algorithm; [`convert`] turns them into the library's types. Every [`Error`]
@@ -45,10 +46,12 @@ pub mod opensfm;
 pub mod picture;
 pub mod plane;
 pub mod points;
+pub mod rpc;
 pub mod scene;
 
 pub use atomic::write_atomically;
 pub use error::{
     Error, ErrorKind, FieldError, FieldProblem, GridProblem, LineProblem, PictureProblem,
+    RpcProblem,
 };
 pub use json::Document;

@@ -12,6 +12,7 @@ mod hostile;
 mod opensfm;
 mod pictures;
 mod points;
+mod rpc;
 mod scene;
 
 use std::path::PathBuf;

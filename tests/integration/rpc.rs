@@ -113,9 +113,14 @@ fn all_eighty_coefficients_agree_with_sixty_digits_and_gdal() {
     assert_eq!(points.len(), 40);
     for point in &points {
         let p = rpc.project(&ground_of(point)).unwrap();
+        let height = EllipsoidalHeight(number(point, "height"));
+        let (latitude, longitude) = (number(point, "latitude_deg"), number(point, "longitude_deg"));
+        let exact = rpc.project_degrees(latitude, longitude, height).unwrap();
         for by in ["image", "gdal"] {
             let [x, y] = list::<2>(&point[by]);
             assert!((p - Point2::new(x, y)).amax() < 1e-9, "{by}: {}", p - Point2::new(x, y));
+            let off = (exact - Point2::new(x, y)).amax();
+            assert!(off < 2e-11, "{by}, degrees: {off:e}");
         }
     }
 }
@@ -181,6 +186,8 @@ fn a_picture_may_lie_across_the_date_line() {
     let (east, west) = (place(44.1, 180.05, 900.0), place(44.1, -179.95, 900.0));
     let (p, q) = (rpc.project(&east).unwrap(), rpc.project(&west).unwrap());
     assert!((p - q).norm() < 1e-7);
+    let degrees = |l| rpc.project_degrees(44.1, l, EllipsoidalHeight(900.0)).unwrap();
+    assert!((degrees(180.05) - degrees(-179.95)).norm() < 1e-7);
     let back = rpc.at_height(&p, EllipsoidalHeight(900.0)).unwrap();
     assert!((back.longitude().to_degrees() + 179.95).abs() < 1e-12);
     r.longitude_offset_deg = -179.98;
@@ -413,7 +420,7 @@ fn control_points_that_do_not_determine_a_correction_are_refused() {
         "{error}"
     );
     let slope: Vec<_> = (0..5)
-        .map(|i| f64::from(i))
+        .map(f64::from)
         .map(|t| at(Point2::new(1000.0 + 900.0 * t, 500.0 + 700.0 * t)))
         .collect();
     let error = rpc.correct(&slope, CorrectionModel::Affine).unwrap_err();
@@ -601,6 +608,8 @@ fn what_lies_outside_the_model_is_an_error() {
         assert!((value - 2.01).abs() < 1e-9 && limit == 2.0);
     }
     assert!(rpc.project(&inside(1.99, -1.99, 1.99)).is_ok());
+    let nan = rpc.project_degrees(f64::NAN, 5.2, EllipsoidalHeight(900.0));
+    assert_eq!(nan, Err(ProjectionError::NotFinite));
     let wide = rpc.with_domain(3.0).unwrap();
     assert!(wide.project(&inside(2.01, 0.0, 0.0)).is_ok() && wide.domain() == 3.0);
     assert!(rpc.with_domain(0.5).is_err() && rpc.with_domain(f64::NAN).is_err());

@@ -1,5 +1,7 @@
 //! From the image to the ground, at a height.
 
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use nalgebra::Point2;
 
 use super::model::{Linearised, Rpc};
@@ -53,19 +55,17 @@ impl Rpc {
         let [l, p] = self.solve(target, h)?;
         self.inside(l)?;
         self.inside(p)?;
-        let record = self.record();
-        let longitude = record.longitude_offset_deg + l * record.longitude_scale_deg;
-        let turns = if longitude > 180.0 {
-            -360.0
-        } else if longitude < -180.0 {
-            360.0
+        let (latitude, longitude) = (self.latitude.angle(p), self.longitude.angle(l));
+        let turns = if longitude > PI {
+            -TAU
+        } else if longitude < -PI {
+            TAU
         } else {
             0.0
         };
-        let latitude = record.latitude_offset_deg + p * record.latitude_scale_deg;
-        Geodetic::from_degrees(latitude, longitude + turns, height)
+        Geodetic::new(latitude, longitude + turns, height)
             // Past the pole, where the polynomials mean nothing.
-            .map_err(|_| ProjectionError::OutsideDomain { value: latitude.abs(), limit: 90.0 })
+            .map_err(|_| ProjectionError::OutsideDomain { value: latitude.abs(), limit: FRAC_PI_2 })
     }
 
     /// The position that images here, at a height above the geoid. The height in the result is ellipsoidal.
@@ -84,10 +84,9 @@ impl Rpc {
         height: OrthometricHeight,
         geoid: &GeoidGrid,
     ) -> Result<Geodetic, Error> {
-        let record = self.record();
-        let (latitude, longitude) = (record.latitude_offset_deg, record.longitude_offset_deg);
+        let (latitude, longitude) = (self.latitude.angle(0.0), self.longitude.angle(0.0));
         // The centre may lie outside a grid that covers the point.
-        let start = geoid.undulation(latitude.to_radians(), longitude.to_radians()).unwrap_or(0.0);
+        let start = geoid.undulation(latitude, longitude).unwrap_or(0.0);
         let mut ellipsoidal = height.0 + start;
         let mut change = f64::INFINITY;
         for _ in 0..MAX_GEOID_ITERATIONS {
