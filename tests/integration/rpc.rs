@@ -727,3 +727,11 @@ fn records_that_no_picture_has_are_refused() {
     let nan = Vector2::new(f64::NAN, 0.0);
     assert!(ImageCorrection::new(Point2::origin(), nan, Matrix2::zeros()).is_err());
 }
+
+#[test]
+fn the_older_order_of_terms_is_brought_to_the_newer() {
+    // With L, P, H = 2, 3, 5 each term is told by its factors: RPC00A as STDI-0002 prints it, then RPC00B.
+    let older = [1, 2, 3, 5, 6, 10, 15, 30, 4, 9, 25, 8, 12, 20, 18, 27, 45, 50, 75, 125];
+    let newer = [1, 2, 3, 5, 6, 10, 15, 4, 9, 25, 30, 8, 18, 50, 12, 27, 75, 20, 45, 125];
+    assert_eq!(Rpc00b::from_rpc00a_order(&older.map(f64::from)), newer.map(f64::from));
+}
