@@ -121,7 +121,7 @@ fn the_examples_of_the_formats_page_are_files() {
 fn the_table_of_rational_cameras_has_every_field() {
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/formats.md"))
         .unwrap();
-    let mut names: Vec<&str> = rows(&page.split_once("## rpc").unwrap().1, "| field | meaning |")
+    let mut names: Vec<&str> = rows(page.split_once("## rpc").unwrap().1, "| field | meaning |")
         .iter()
         .flat_map(|row| code(row[0]))
         .collect();
