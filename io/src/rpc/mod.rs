@@ -117,6 +117,40 @@ pub fn read(path: &Path) -> Result<RpcFile, Error> {
     read_any(path).map_err(|e| e.in_file(path))
 }
 
+/// As [`read`], or `None` where the file is something else: JSON of another kind, any text without a camera's fields, or
+/// not there. For callers that read other cameras too, whose reader then says what is wrong.
+///
+/// # Errors
+/// As [`read`], for a file that is a rational polynomial camera's.
+pub fn read_if_rpc(path: &Path) -> Result<Option<RpcFile>, Error> {
+    let not_one = |e: &Error| match e.kind() {
+        ErrorKind::Rpc(RpcProblem::NotAnRpc)
+        | ErrorKind::NotOurs { .. }
+        | ErrorKind::WrongKind { .. }
+        | ErrorKind::Read(_)
+        | ErrorKind::NotText { .. }
+        | ErrorKind::TooLong { .. } => true,
+        // JSON that is broken before it says what it is.
+        ErrorKind::Json { .. } => !says_rpc(path),
+        _ => false,
+    };
+    match read(path) {
+        Ok(file) => Ok(Some(file)),
+        Err(e) if not_one(&e) => Ok(None),
+        Err(e) => Err(e),
+    }
+}
+
+fn says_rpc(path: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Header {
+        collinear: Option<String>,
+    }
+    let bytes = read_bytes(path, MAX_TEXT_BYTES).unwrap_or_default();
+    let header = serde_json::from_slice::<Header>(&bytes).ok();
+    header.and_then(|h| h.collinear).is_some_and(|kind| kind == RpcFile::KIND)
+}
+
 fn read_any(path: &Path) -> Result<RpcFile, Error> {
     let mut file = File::open(path).map_err(ErrorKind::Read)?;
     let mut start = [0; 4];
