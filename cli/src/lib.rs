@@ -17,5 +17,6 @@ mod picture;
 pub mod project;
 pub mod rectify;
 pub mod render;
+pub mod rpc;
 
 pub use picture::{LARGEST_AREA, LARGEST_SIDE, check_size};

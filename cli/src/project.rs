@@ -72,7 +72,12 @@ fn place(camera: &SensorFile, p: &Point2<f64>) -> &'static str {
 /// The table `id,X,Y,Z,x,y,status`. Numbers are written so that reading gives the same bits.
 #[must_use]
 pub fn to_csv(rows: &[ProjectedRow]) -> String {
-    let mut text = String::from("id,X,Y,Z,x,y,status\n");
+    table("X,Y,Z", rows)
+}
+
+/// The table with other names for the three coordinates of the world.
+pub(crate) fn table(world: &str, rows: &[ProjectedRow]) -> String {
+    let mut text = format!("id,{world},x,y,status\n");
     for row in rows {
         let mut fields = vec![quoted(row.id.as_deref().unwrap_or_default())];
         fields.extend(numbers(row.world));

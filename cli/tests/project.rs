@@ -221,3 +221,119 @@ fn a_scanner_projects_and_says_what_no_time_sees() {
     }
     assert_eq!(lines[2], ",,,,80.0,61.0,outside the scan: time 61 is not between -10 and 60");
 }
+
+/// One sample for each 10⁻⁵°, 100 m of height move it by 50: by hand.
+fn rational() -> String {
+    let zeros = ["0"; 20].join(", ");
+    let polynomial = |start: &str| format!("[{start}{}]", &zeros[start.matches(',').count() * 3..]);
+    document(
+        "rpc",
+        &format!(
+            r#""line_offset": 4999.5, "sample_offset": 4999.5, "latitude_offset_deg": 44, "longitude_offset_deg": 5,
+            "height_offset": 500, "line_scale": 5000, "sample_scale": 5000, "latitude_scale_deg": 0.05,
+            "longitude_scale_deg": 0.05, "height_scale": 500,
+            "line_numerator": {}, "line_denominator": {one}, "sample_numerator": {}, "sample_denominator": {one}"#,
+            polynomial("0, 0, -1, "),
+            polynomial("0, 1, 0, 0.05, "),
+            one = polynomial("1, "),
+        ),
+    )
+}
+
+/// A geoid 40 m above the ellipsoid from 43 to 45° north and 4 to 6° east.
+fn geoid() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    [43.0f64, 4.0, 1.0, 1.0].iter().for_each(|v| bytes.extend(v.to_be_bytes()));
+    [3i32, 3].iter().for_each(|v| bytes.extend(v.to_be_bytes()));
+    (0..9).for_each(|_| bytes.extend(40f32.to_be_bytes()));
+    bytes
+}
+
+fn numbers(line: &str) -> Vec<f64> {
+    line.split(',').filter_map(|f| f.parse().ok()).collect()
+}
+
+#[test]
+fn a_rational_camera_projects_places_on_the_earth() {
+    let folder = Folder::new();
+    folder.write("rpc.json", rational()).write("geoid.gtx", geoid());
+    folder.write("places.csv", "id,lat,lon,h\na,44.01,5.02,600\nb,44.2,5,500\n");
+    let run = folder.succeed(&["project", "--camera", "rpc.json", "places.csv"]);
+    let lines: Vec<_> = run.stdout.lines().collect();
+    assert_eq!(lines[0], "id,lon,lat,h,x,y,status");
+    let off = |line: &str, expected: [f64; 5]| {
+        let found = numbers(line);
+        assert_eq!(found.len(), 5, "{line}");
+        found.iter().zip(expected).map(|(f, e)| (f - e).abs()).fold(0.0, f64::max)
+    };
+    assert!(off(lines[1], [5.02, 44.01, 600.0, 7050.0, 4000.0]) < 1e-7, "{}", lines[1]);
+    assert!(lines[1].ends_with(",ok"));
+    assert!(lines[2].ends_with(",,outside the model's domain: 4 is not below 2"), "{}", lines[2]);
+
+    // 560 m above the geoid are 600 above the ellipsoid.
+    folder.write("places.csv", "5.02 44.01 560\n7 44 560\n").write("clicks.csv", "7050 4000\n");
+    let above = ["--heights", "geoid", "--geoid", "geoid.gtx"];
+    let run =
+        folder.succeed(&[&["project", "--camera", "rpc.json", "places.csv"], &above[..]].concat());
+    let lines: Vec<_> = run.stdout.lines().collect();
+    assert!(off(lines[1], [5.02, 44.01, 560.0, 7050.0, 4000.0]) < 1e-7, "{}", lines[1]);
+    assert!(lines[2].contains("longitude is 7, expected a value inside the geoid grid"));
+
+    let inverse = ["project", "--camera", "rpc.json", "--inverse", "clicks.csv", "--height"];
+    let run = folder.succeed(&[&inverse[..], &["600"]].concat());
+    let line = run.stdout.lines().nth(1).unwrap();
+    assert!(off(line, [5.02, 44.01, 600.0, 7050.0, 4000.0]) < 1e-12, "{line}");
+    let run = folder.succeed(&[&inverse[..], &["560"], &above[..]].concat());
+    let line = run.stdout.lines().nth(1).unwrap();
+    assert!(off(line, [5.02, 44.01, 560.0, 7050.0, 4000.0]) < 1e-12, "{line}");
+}
+
+#[test]
+fn heights_and_planes_each_have_their_cameras() {
+    let folder = folder("");
+    folder.write("rpc.json", rational()).write("geoid.gtx", geoid());
+    folder.write("clicks.csv", "7050 4000\n").write("places.csv", "5 44 600\n");
+    folder.write("bad.json", rational().replace("\"line_scale\": 5000", "\"line_scale\": 0"));
+    folder.write("bad.txt", "LINE_OFF: 1\n");
+    for (arguments, code, told) in [
+        (
+            &["--camera", "rpc.json", "--inverse", "--plane", "ground.json", "clicks.csv"][..],
+            1,
+            "rpc.json: an RPC has no place for a plane",
+        ),
+        (
+            &["--camera", "camera.json", "--inverse", "--height", "3", "clicks.csv"],
+            1,
+            "camera.json: heights are of an RPC",
+        ),
+        (
+            &[
+                "--camera",
+                "rpc.json",
+                "--heights",
+                "ellipsoid",
+                "--geoid",
+                "geoid.gtx",
+                "places.csv",
+            ],
+            1,
+            "geoid.gtx: is not used",
+        ),
+        (&["--camera", "rpc.json", "--heights", "geoid", "places.csv"], 2, "--geoid"),
+        (
+            &["--camera", "bad.json", "places.csv"],
+            1,
+            "bad.json: line_scale: is 0, expected a finite number above 0",
+        ),
+        (&["--camera", "bad.txt", "places.csv"], 1, "bad.txt: has no SAMP_OFF"),
+        (&["--camera", "rpc.json", "geoid.gtx"], 1, "geoid.gtx"),
+    ] {
+        let run = folder.run(&[&["project"], arguments].concat());
+        assert!(
+            run.code == code && run.stderr.contains(told),
+            "{arguments:?} {}: {}",
+            run.code,
+            run.stderr
+        );
+    }
+}

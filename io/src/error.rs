@@ -223,6 +223,9 @@ pub enum ErrorKind {
     /// A binary file of another program cannot be read.
     #[error(transparent)]
     Binary(#[from] BinaryProblem),
+    /// A rational polynomial camera cannot be read.
+    #[error(transparent)]
+    Rpc(#[from] RpcProblem),
     /// The extension of an output names no format that is written.
     #[error("has {}: name the output {expected}", extension(found.as_deref()))]
     Extension {
@@ -561,6 +564,97 @@ pub enum GridProblem {
         value: f64,
         /// Its domain, in words.
         expected: &'static str,
+    },
+}
+
+/// Why a rational polynomial camera cannot be read from a file of its vendor.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RpcProblem {
+    /// None of the formats that are read.
+    #[error(
+        "holds no rational polynomial camera: RPB, _RPC.TXT, DIMAP XML, GDAL's VRT and .aux.xml, OSSIM .geom, GeoTIFF with tag 50844 and collinear's JSON are read"
+    )]
+    NotAnRpc,
+    /// A number that the file does not have.
+    #[error("has no {field}")]
+    Missing {
+        /// The field, as this format names it.
+        field: String,
+    },
+    /// A field that stands in the file twice.
+    #[error("line {line}: {field} stands there a second time")]
+    Duplicate {
+        /// Line, from 1.
+        line: usize,
+        /// The field.
+        field: String,
+    },
+    /// A field that should be a number.
+    #[error("line {line}: {field} is `{text}`, expected a finite number")]
+    NotANumber {
+        /// Line, from 1.
+        line: usize,
+        /// The field.
+        field: String,
+        /// What stands there, at most its first 40 characters.
+        text: String,
+    },
+    /// A list of coefficients of another length.
+    #[error("line {line}: {field} has {found} coefficients, expected 20")]
+    Coefficients {
+        /// Line, from 1.
+        line: usize,
+        /// The field.
+        field: String,
+        /// How many there are.
+        found: usize,
+    },
+    /// A line that is no statement of its format.
+    #[error("line {line}: `{text}` is no statement: expected {expected}")]
+    Statement {
+        /// Line, from 1.
+        line: usize,
+        /// What stands there, at most its first 40 characters.
+        text: String,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// A convention that is not read.
+    #[error("line {line}: {field} is `{found}`, expected {expected}")]
+    Convention {
+        /// Line, from 1.
+        line: usize,
+        /// The field.
+        field: String,
+        /// What the file says, at most its first 40 characters.
+        found: String,
+        /// What is read.
+        expected: &'static str,
+    },
+    /// XML that is not well-formed.
+    #[error("is no well-formed XML: {reason}")]
+    Xml {
+        /// The parser's reason, with line and column.
+        reason: String,
+    },
+    /// A TIFF file whose directory makes no sense, or has no camera.
+    #[error("is a TIFF file whose {what} is {found}, expected {expected}")]
+    Tiff {
+        /// Which part.
+        what: &'static str,
+        /// What it is.
+        found: u64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// A TIFF file that ends too early.
+    #[error("is a TIFF file that is cut off: its {what} at byte {offset} is not there")]
+    TiffCutOff {
+        /// Which part.
+        what: &'static str,
+        /// Where it should be.
+        offset: u64,
     },
 }
 

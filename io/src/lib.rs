@@ -12,6 +12,7 @@
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
+//! | rational polynomial cameras | [`rpc`] | JSON, RPB, `_RPC.TXT`, DIMAP XML, GDAL's XML, OSSIM `.geom`, GeoTIFF |
 //! | geoid undulations | [`gtx`] | GTX |
 //!
 //! Readers give plain values and know no algorithm; [`convert`] turns them into the library's types. Every [`Error`]
@@ -56,6 +57,7 @@ pub mod photographs;
 pub mod picture;
 pub mod plane;
 pub mod points;
+pub mod rpc;
 pub mod scanner;
 pub mod scene;
 pub mod sensor;
@@ -63,6 +65,6 @@ pub mod sensor;
 pub use atomic::write_atomically;
 pub use error::{
     BinaryProblem, Error, ErrorKind, FieldError, FieldProblem, GridProblem, LineProblem,
-    PictureProblem,
+    PictureProblem, RpcProblem,
 };
 pub use json::Document;

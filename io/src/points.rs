@@ -54,6 +54,70 @@ pub fn parse_points(text: &str) -> Result<Vec<PointRow>, Error> {
     table(text, Columns::without_header, Columns::named, Columns::row)
 }
 
+/// A place on the Earth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GeographicRow {
+    /// Its name.
+    pub id: Option<String>,
+    /// Longitude, degrees, east positive.
+    pub longitude_deg: f64,
+    /// Latitude, degrees, north positive.
+    pub latitude_deg: f64,
+    /// Height, metres; from what it counts is not in the list.
+    pub height: f64,
+}
+
+/// Reads a list of places: the columns `lon`, `lat`, `h` and perhaps `id` by name, or without a header longitude,
+/// latitude and height in this order, or a name and these.
+///
+/// # Errors
+/// As [`read_points`].
+pub fn read_geographic(path: &Path) -> Result<Vec<GeographicRow>, Error> {
+    read_text(path).and_then(|text| parse_geographic(&text)).map_err(|e| e.in_file(path))
+}
+
+/// As [`read_geographic`], from text.
+///
+/// ```
+/// use collinear_io::points::parse_geographic;
+///
+/// let rows = parse_geographic("id,lat,lon,h\nsummit,44.174,5.278,1909\n")?;
+/// assert_eq!((rows[0].longitude_deg, rows[0].latitude_deg, rows[0].height), (5.278, 44.174, 1909.0));
+/// # Ok::<(), collinear_io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`read_points`].
+pub fn parse_geographic(text: &str) -> Result<Vec<GeographicRow>, Error> {
+    let named = |line: usize, header: &[String]| {
+        let find = |name: &str| find(line, header, name);
+        match (find("lon")?, find("lat")?, find("h")?) {
+            (Some(lon), Some(lat), Some(h)) => Ok(Columns {
+                count: header.len(),
+                id: find("id")?,
+                world: [lon, lat, h],
+                image: None,
+                note: None,
+            }),
+            _ => {
+                let (header, expected) = (header.join(" "), "lon, lat, h, and perhaps id");
+                Err(at(line, None, LineProblem::Header { header, expected }))
+            }
+        }
+    };
+    let row = |columns: &Columns, number: usize, fields: &[String]| {
+        let line = Line::new(number, fields, columns.count)?;
+        let [lon, lat, h] = columns.world;
+        Ok(GeographicRow {
+            id: line.named(columns.id),
+            longitude_deg: line.value(lon, "lon")?,
+            latitude_deg: line.value(lat, "lat")?,
+            height: line.value(h, "h")?,
+        })
+    };
+    table(text, Columns::without_header, named, row)
+}
+
 /// A measured point of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImagePointRow {

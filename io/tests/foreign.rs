@@ -192,7 +192,7 @@ fn a_published_bundle_meets_its_measurements() {
     let size = [640, 480];
     let cameras: Vec<_> =
         bundle.photographs(size).unwrap().iter().map(|(_, c)| c.camera().unwrap()).collect();
-    let (mut sum, mut count) = (0.0, 0.0);
+    let (mut sum, mut count) = (0.0_f64, 0.0_f64);
     for point in &bundle.points {
         for view in &point.views {
             let image = cameras[view.camera].sensor().project(&Point3::from(point.world)).unwrap();
@@ -200,7 +200,7 @@ fn a_published_bundle_meets_its_measurements() {
             count += 1.0;
         }
     }
-    let rms: f64 = (sum / count as f64).sqrt();
+    let rms: f64 = (sum / count).sqrt();
     assert!(count > 1000.0 && rms < 1.0, "{rms} of {count}");
     assert_eq!(Bundle::parse(&bundle.to_text()).unwrap(), bundle);
 }

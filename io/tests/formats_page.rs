@@ -5,6 +5,7 @@ use collinear_io::camera::CameraFile;
 use collinear_io::map::MapFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::parse_points;
+use collinear_io::rpc::RpcFile;
 use collinear_io::scanner::ScannerFile;
 use collinear_io::scene::SceneFile;
 
@@ -109,13 +110,34 @@ fn the_examples_of_the_formats_page_are_files() {
             }
             "plane" => survives::<PlaneFile>(text),
             "map" => survives::<MapFile>(text),
+            "rpc" => {
+                survives::<RpcFile>(text);
+                RpcFile::parse(text).unwrap().rpc().unwrap();
+            }
             "scene" => survives::<SceneFile>(text),
             other => panic!("an example of an unknown kind {other}"),
         }
     }
     kinds.dedup();
-    assert_eq!(kinds, ["camera", "scanner", "plane", "map", "scene"]);
+    assert_eq!(kinds, ["camera", "scanner", "plane", "map", "rpc", "scene"]);
     for text in blocks(&page, "csv") {
         assert_eq!(parse_points(text).unwrap().len(), 2);
     }
+}
+
+#[test]
+fn the_table_of_rational_cameras_has_every_field() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/formats.md"))
+        .unwrap();
+    let mut names: Vec<&str> = rows(page.split_once("## rpc").unwrap().1, "| field | meaning |")
+        .iter()
+        .flat_map(|row| code(row[0]))
+        .collect();
+    let example = blocks(&page, "json").into_iter().find(|t| t.contains("\"rpc\"")).unwrap();
+    let error = RpcFile::parse(&example.replacen("\"line_offset\"", "\"xyzzy\"", 1)).unwrap_err();
+    let error = error.to_string();
+    let mut known = code(error.split("fields here are").nth(1).unwrap());
+    known.sort_unstable();
+    names.sort_unstable();
+    assert_eq!(known, names, "{error}");
 }

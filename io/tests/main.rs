@@ -13,6 +13,7 @@ mod hostile;
 mod opensfm;
 mod pictures;
 mod points;
+mod rpc;
 mod scanners;
 mod scene;
 

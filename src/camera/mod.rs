@@ -22,6 +22,7 @@ mod homogeneous;
 mod interior;
 mod orthographic;
 mod parameters;
+pub mod rpc;
 mod scanning;
 
 use core::fmt::Debug;
@@ -44,6 +45,7 @@ pub use homogeneous::HomogeneousCamera;
 pub use interior::InteriorOrientation;
 pub use orthographic::Orthographic;
 pub use parameters::Parametrised;
+pub use rpc::{Rpc, RpcSensor};
 pub use scanning::{
     Ephemeris, Interpolation, PlatformState, PolynomialTrajectory, ScanTime, Scanner, Trajectory,
 };

@@ -31,6 +31,7 @@ mod projection;
 mod resample;
 mod rotation;
 mod rows;
+mod rpc;
 mod scanning;
 mod scanning_edges;
 mod sources;

@@ -4,11 +4,14 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
-use clap::Args;
-use collinear_cli::project::{ground, project, to_csv};
+use clap::{Args, ValueEnum};
+use collinear_cli::project::{ProjectedRow, ground, project, to_csv};
+use collinear_cli::rpc::{self, Heights};
 use collinear_io::Document;
+use collinear_io::gtx::read_gtx;
 use collinear_io::plane::PlaneFile;
-use collinear_io::points::{read_image_points, read_points};
+use collinear_io::points::{read_geographic, read_image_points, read_points};
+use collinear_io::rpc::{RpcFile, read_if_rpc};
 use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
@@ -18,25 +21,52 @@ use super::{Files, in_file, say};
 #[derive(Debug, Args)]
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
-    /// The points (CSV): columns X, Y, Z and perhaps id; with --inverse x, y and perhaps id
+    /// The points (CSV): columns X, Y, Z (RPC: lon, lat, h) and perhaps id; with --inverse x, y and perhaps id
     #[arg(value_name = "POINTS.csv")]
     points: PathBuf,
 
-    /// The camera or scanner (JSON)
+    /// The camera or scanner (JSON), or a file with an RPC
     #[arg(short, long, value_name = "CAMERA.json")]
     camera: PathBuf,
 
-    /// From pixels to the plane instead of from the world to pixels
-    #[arg(long, requires = "plane")]
+    /// From pixels to the plane, or to a height, instead of from the world to pixels
+    #[arg(long, requires = "surface")]
     inverse: bool,
 
     /// With --inverse: the plane (JSON) on which the points lie
-    #[arg(short, long, value_name = "PLANE.json", requires = "inverse")]
+    #[arg(short, long, value_name = "PLANE.json", requires = "inverse", group = "surface")]
     plane: Option<PathBuf>,
+
+    /// With --inverse and an RPC: the height at which the points lie, in metres
+    #[arg(
+        long,
+        value_name = "METRES",
+        requires = "inverse",
+        group = "surface",
+        allow_negative_numbers = true
+    )]
+    height: Option<f64>,
+
+    /// With an RPC: what heights count from
+    #[arg(long, value_enum, requires_if("geoid", "geoid"))]
+    heights: Option<HeightReference>,
+
+    /// With --heights geoid: the heights of the geoid above the WGS84 ellipsoid (GTX)
+    #[arg(long, value_name = "GEOID.gtx", requires = "heights")]
+    geoid: Option<PathBuf>,
 
     /// The table to write; without it, standard output
     #[arg(short, long, value_name = "OUT.csv")]
     output: Option<PathBuf>,
+}
+
+/// What heights count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum HeightReference {
+    /// The WGS84 ellipsoid, as those of satellite positioning; the default
+    Ellipsoid,
+    /// The geoid, as those of most maps and elevation models
+    Geoid,
 }
 
 const LONG: &str = "\
@@ -47,12 +77,19 @@ top-left pixel, through the lens. The table has the columns id, X, Y, Z, x, y, s
 `ok`, `outside the picture` (x and y are given all the same), or the reason why there are none: the \
 point lies behind the camera or beyond the radius where the lens folds back, the line of sight does \
 not meet the plane, no time of the scan sees the point. Numbers are written with as many digits as bring back the same 64 bits. A list \
-with a header and no points gives a table without lines, an empty file is an error.";
+with a header and no points gives a table without lines, an empty file is an error.
+
+A file with a rational polynomial camera (RPB, _RPC.TXT, DIMAP XML, GeoTIFF, OSSIM .geom, collinear's \
+JSON) is taken as the camera too. Its points are longitude and latitude on WGS84 in degrees and a \
+height in metres above the ellipsoid, or with --heights geoid above the geoid; the columns are lon, lat, \
+h in place of X, Y, Z. Its picture's size is not known, no point is outside it.";
 
 const AFTER: &str = "\
 Examples:
   collinear project --camera south.json control.csv -o images.csv
   collinear project --camera south.json --inverse --plane ground.json clicks.csv
+  collinear project --camera left_RPC.TXT --heights geoid --geoid egm96_15.gtx control.csv
+  collinear project --camera left.RPB --inverse --height 300 clicks.csv
 
 Exit codes: 0 done, points without an image among them; 1 failed (an old OUT is left as it was); \
 2 wrong usage, as an output that is an input too.";
@@ -68,6 +105,17 @@ impl Arguments {
         if let Some(path) = &self.plane {
             files.input("the plane", path)?;
         }
+        if let Some(path) = &self.geoid {
+            files.input("the geoid", path)?;
+        }
+        if let Some(file) = read_if_rpc(&self.camera)? {
+            let rows = self.through_rpc(&file)?;
+            return self.write(&rows, &rpc::to_csv(&rows));
+        }
+        if self.height.is_some() || self.heights.is_some() {
+            let why = "heights are of an RPC: with this camera give a --plane";
+            return Err(in_file(&self.camera, anyhow!(why)));
+        }
         let camera = SensorFile::read(&self.camera)?;
         let rows = if self.inverse {
             let path = self.plane.as_ref().context("--inverse needs --plane")?;
@@ -77,11 +125,36 @@ impl Arguments {
             project(&camera, &read_points(&self.points)?)
         };
         let rows = rows.map_err(|e| in_file(&self.camera, e))?;
+        self.write(&rows, &to_csv(&rows))
+    }
+
+    /// Points through a rational polynomial camera.
+    fn through_rpc(&self, file: &RpcFile) -> Result<Vec<ProjectedRow>> {
+        let rpc = file.rpc().map_err(|e| e.in_file(&self.camera))?;
+        let heights = match (self.heights, &self.geoid) {
+            (Some(HeightReference::Geoid), Some(path)) => {
+                Heights::Geoid(read_gtx(path)?.geoid_grid().map_err(|e| e.in_file(path))?)
+            }
+            (_, Some(path)) => {
+                let why =
+                    "is not used where heights count from the ellipsoid: give --heights geoid";
+                return Err(in_file(path, anyhow!(why)));
+            }
+            _ => Heights::Ellipsoid,
+        };
+        if !self.inverse {
+            return Ok(rpc::project(&rpc, &heights, &read_geographic(&self.points)?));
+        }
+        let why = "an RPC has no place for a plane: give the --height of its points";
+        let height = self.height.ok_or_else(|| in_file(&self.camera, anyhow!(why)))?;
+        Ok(rpc::ground(&rpc, &heights, height, &read_image_points(&self.points)?))
+    }
+
+    fn write(&self, rows: &[ProjectedRow], text: &str) -> Result<()> {
         if rows.is_empty() {
             let what = if self.inverse { "no point with x and y" } else { "no point" };
             say(&format!("warning: {}: {what} is in it", self.points.display()));
         }
-        let text = to_csv(&rows);
         match &self.output {
             Some(path) => Ok(write_atomically(path, |w| w.write_all(text.as_bytes()))?),
             None => match io::stdout().lock().write_all(text.as_bytes()) {

@@ -72,6 +72,12 @@ impl LocalFrame {
         self.origin
     }
 
+    /// The ellipsoid.
+    #[must_use]
+    pub fn ellipsoid(&self) -> Ellipsoid {
+        self.ellipsoid
+    }
+
     /// The motion from geocentric to local coordinates.
     #[must_use]
     pub fn pose(&self) -> Pose {

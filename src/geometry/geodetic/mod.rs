@@ -35,13 +35,17 @@
 #![doc = include_str!("../../../docs/figures/geodetic.svg")]
 
 mod constant_height;
+mod earth_frame;
 mod ellipsoid;
 mod geoid;
+mod geoid_surface;
 mod local;
 mod position;
 
 pub use constant_height::ConstantHeight;
+pub use earth_frame::{EarthFrame, Placed};
 pub use ellipsoid::Ellipsoid;
 pub use geoid::{GeoidGrid, GeoidInterpolation, GeoidLayout};
+pub use geoid_surface::ConstantOrthometric;
 pub use local::LocalFrame;
 pub use position::{EllipsoidalHeight, Geodetic, OrthometricHeight};
