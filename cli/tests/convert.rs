@@ -161,3 +161,39 @@ fn bundlers_file_needs_the_size_of_the_pictures() {
         assert!((found - expected).abs() < 1e-15, "{camera:?}");
     }
 }
+
+#[test]
+fn a_rational_camera_goes_from_form_to_form() {
+    let folder = folder();
+    let zeros = |first: &str| format!("[{first}{}]", ", 0".repeat(20 - first.split(',').count()));
+    let rpc = document(
+        "rpc",
+        &format!(
+            r#""line_offset": 4999.5, "sample_offset": 4999.5, "latitude_offset_deg": 44, "longitude_offset_deg": 5,
+            "height_offset": 500, "line_scale": 5000, "sample_scale": 5000, "latitude_scale_deg": 0.05,
+            "longitude_scale_deg": 0.05, "height_scale": 500, "line_numerator": {}, "line_denominator": {one},
+            "sample_numerator": {}, "sample_denominator": {one}"#,
+            zeros("0, 0, -1"),
+            zeros("0, 1, 0, 0.05"),
+            one = zeros("1"),
+        ),
+    );
+    folder.write("rpc.json", rpc);
+    folder.succeed(&["convert", "rpc.json", "--to", "rpb", "-o", "a.RPB"]);
+    folder.succeed(&["convert", "a.RPB", "--to", "rpc-txt", "-o", "a_RPC.TXT"]);
+    folder.succeed(&["convert", "a_RPC.TXT", "--to", "rpc", "-o", "again.json"]);
+    let read = |name: &str| serde_json::from_str::<Value>(&folder.text(name)).unwrap();
+    let (before, after) = (read("rpc.json"), read("again.json"));
+    for (field, value) in before.as_object().unwrap() {
+        let numbers = |v: &Value| v.as_array().map(|l| l.iter().map(Value::as_f64).collect::<Vec<_>>());
+        let same = numbers(value) == numbers(&after[field]) && value.as_f64() == after[field].as_f64();
+        assert!(same, "{field}: {value} {}", after[field]);
+    }
+    let says = |arguments: &[&str], expected: &str| {
+        let run = folder.run(arguments);
+        assert!(run.code == 1 && run.stderr.contains(expected), "{}", run.stderr);
+    };
+    says(&["convert", "rpc.json", "--to", "colmap", "-o", "out"], "is a rational polynomial camera");
+    folder.write("camera.json", document("camera", &vertical(400, 300, "")));
+    says(&["convert", "camera.json", "--to", "rpb", "-o", "out"], "holds no rational polynomial");
+}

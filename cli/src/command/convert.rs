@@ -1,6 +1,6 @@
 //! `collinear convert`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
@@ -8,7 +8,9 @@ use collinear::geometry::projection::ClipConvention;
 use collinear_cli::convert::{Target, outputs, write};
 use collinear_io::colmap::Encoding;
 use collinear_io::opencv::Form;
+use collinear_io::Document;
 use collinear_io::photographs;
+use collinear_io::rpc::{RpcFile, read_if_rpc};
 
 use super::{Files, Size, UsageError, in_file, positive, say};
 
@@ -17,7 +19,7 @@ use super::{Files, Size, UsageError, in_file, positive, say};
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
     /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, Bundler's bundle.out, an
-    /// OpenCV calibration
+    /// OpenCV calibration; or a file with an RPC
     #[arg(value_name = "CAMERAS")]
     input: PathBuf,
 
@@ -60,6 +62,12 @@ enum Format {
     Opencv,
     /// OpenCV's FileStorage, JSON
     OpencvJson,
+    /// A rational polynomial camera, docs/formats.md
+    Rpc,
+    /// A rational polynomial camera as RPB
+    Rpb,
+    /// A rational polynomial camera as _RPC.TXT
+    RpcTxt,
     /// View and projection matrices for OpenGL and WebGL
     Opengl,
     /// View and projection matrices for Direct3D and Metal
@@ -68,6 +76,18 @@ enum Format {
     Vulkan,
     /// View and projection matrices for wgpu and WebGPU
     Wgpu,
+}
+
+impl Format {
+    /// What writes a rational polynomial camera, where this is a format of one.
+    fn rational(self) -> Option<fn(&RpcFile, &Path) -> Result<(), collinear_io::Error>> {
+        match self {
+            Self::Rpc => Some(RpcFile::write),
+            Self::Rpb => Some(RpcFile::write_rpb),
+            Self::RpcTxt => Some(RpcFile::write_rpc_txt),
+            _ => None,
+        }
+    }
 }
 
 const LONG: &str = "\
@@ -82,6 +102,7 @@ Examples:
   collinear convert sparse/0 --to camera -o cameras/
   collinear convert reconstruction.json --photograph 01.jpg --to opencv -o 01.yml
   collinear convert south.json --to wgpu --near 1 -o south.matrices.json
+  collinear convert image.tif --to rpb -o image.RPB
 
 Exit codes: 0 done; 1 failed (old files are left as they were); 2 wrong usage, as an output that is \
 the input.";
@@ -91,6 +112,19 @@ impl Arguments {
         let mut files = Files::default();
         files.input("the cameras", &self.input)?;
         files.output("the output (-o)", &self.output)?;
+        if let Some(write) = self.to.rational() {
+            let file = read_if_rpc(&self.input)?.ok_or_else(|| {
+                in_file(&self.input, "holds no rational polynomial camera, which --to asks for")
+            })?;
+            if !self.photograph.is_empty() {
+                return Err(in_file(&self.input, "is one camera: leave --photograph out"));
+            }
+            return Ok(write(&file, &self.output)?);
+        }
+        if self.input.is_file() && read_if_rpc(&self.input)?.is_some() {
+            let why = "is a rational polynomial camera: convert it --to rpc, rpb or rpc-txt";
+            return Err(in_file(&self.input, why));
+        }
         let mut cameras = photographs::read(&self.input, self.size.map(|s| [s.width, s.height]))?;
         if !self.photograph.is_empty() {
             for name in &self.photograph {
@@ -126,12 +160,13 @@ impl Arguments {
             far => Ok(Target::Gpu(convention, self.near, far)),
         };
         match self.to {
-            Format::Camera => Ok(Target::Camera),
             Format::Colmap => Ok(Target::Colmap(Encoding::Text)),
             Format::ColmapBinary => Ok(Target::Colmap(Encoding::Binary)),
             Format::Bundler => Ok(Target::Bundler),
             Format::Opencv => Ok(Target::OpenCv(Form::Yaml)),
             Format::OpencvJson => Ok(Target::OpenCv(Form::Json)),
+            // Those of rational polynomials are written before a target is needed.
+            Format::Rpc | Format::Rpb | Format::RpcTxt | Format::Camera => Ok(Target::Camera),
             Format::Opengl => matrices(ClipConvention::OpenGl),
             Format::Direct3d => matrices(ClipConvention::Direct3d),
             Format::Vulkan => matrices(ClipConvention::Vulkan),
