@@ -527,6 +527,9 @@ fn a_frame_camera_is_fitted_within_a_thousandth_of_a_pixel() {
         assert!(max < limit && max > 0.2 * limit, "{lens} {forward} {denominators:?}: {max:e}");
         assert!(fit.fit.rms <= fit.fit.max && fit.check.rms <= fit.check.max);
         let r = fit.rpc.to_rpc00b();
+        assert_eq!(fit.rpc.image_centre(), Point2::new(2000.0, 1500.0));
+        assert_eq!((r.line_scale, r.sample_scale), (1500.0, 2000.0));
+        assert_eq!((r.height_offset, r.height_scale), (700.0, 400.0));
         match denominators {
             Denominators::Shared => assert_eq!(r.line_denominator, r.sample_denominator),
             Denominators::One => assert_eq!(r.line_denominator[1..], [0.0; 19]),
@@ -677,6 +680,16 @@ fn a_fold_of_the_polynomials_is_not_crossed() {
     let image = rpc.project(&inside(1.6, 0.3, 0.0)).unwrap();
     let back = rpc.at_height(&image, EllipsoidalHeight(1075.0)).unwrap();
     assert!((back.longitude() - inside(0.4, 0.3, 0.0).longitude()).abs() < 1e-13);
+    // A first step of Newton's that lands behind a fold, nearer to the image than the start: 0.2 L + L² − 0.6 L³ turns
+    // back at L = 1.2, the linear terms lead to L = 2.46 and half of that.
+    let mut steep = r;
+    (steep.sample_numerator[1], steep.sample_numerator[7]) = (0.2, 1.0);
+    steep.sample_numerator[11] = -0.6;
+    let curved = Rpc::from_rpc00b(&steep).unwrap();
+    let ground = inside(0.8, 0.3, 0.0);
+    let image = curved.project(&ground).unwrap();
+    let back = curved.at_height(&image, EllipsoidalHeight(1075.0)).unwrap();
+    assert!((back.longitude() - ground.longitude()).abs() < 1e-13);
     // No ground at all beyond the fold: half a size past the middle is the edge.
     let beyond = Point2::new(r.sample_offset + 0.5 + 0.6 * r.sample_scale, r.line_offset);
     let error = rpc.at_height(&beyond, EllipsoidalHeight(1075.0)).unwrap_err();
@@ -734,4 +747,54 @@ fn the_older_order_of_terms_is_brought_to_the_newer() {
     let older = [1, 2, 3, 5, 6, 10, 15, 30, 4, 9, 25, 8, 12, 20, 18, 27, 45, 50, 75, 125];
     let newer = [1, 2, 3, 5, 6, 10, 15, 4, 9, 25, 30, 8, 18, 50, 12, 27, 75, 20, 45, 125];
     assert_eq!(Rpc00b::from_rpc00a_order(&older.map(f64::from)), newer.map(f64::from));
+}
+
+#[test]
+fn reweighting_brings_a_fit_nearer() {
+    let camera = aerial(3000.0);
+    let fit = |max_iterations| {
+        let options = FitOptions { max_iterations, ..FitOptions::default() };
+        Rpc::fit_sensor(&camera, &local(), &aerial_grid(), &options).unwrap()
+    };
+    let (one, many) = (fit(1), fit(10));
+    assert_eq!(one.iterations, 1);
+    assert!(many.fit.rms < 0.99 * one.fit.rms, "{:?} {:?}", many.fit, one.fit);
+}
+
+#[test]
+fn a_fit_may_lie_across_the_date_line() {
+    let mut r = record();
+    r.longitude_offset_deg = 179.98;
+    let rpc = Rpc::from_rpc00b(&r).unwrap();
+    let grid = FitGrid {
+        corners: [Point2::new(500.0, 500.0), Point2::new(11_500.0, 8000.0)],
+        heights: [EllipsoidalHeight(250.0), EllipsoidalHeight(1900.0)],
+        nodes: [7, 7, 4],
+    };
+    let ground = |p: &Point2<f64>, h| rpc.at_height(p, h);
+    let fit = Rpc::fit(&ground, &grid, &FitOptions::default()).unwrap();
+    // Angles near 180° are themselves exact to 3·10⁻⁹ px.
+    assert!(fit.check.max < 1e-7, "{:?}", fit.check);
+    assert!(fit.rpc.to_rpc00b().longitude_scale_deg < 0.2);
+}
+
+#[test]
+fn a_frame_camera_meets_a_height_above_the_geoid() {
+    let (camera, frame, geoid) = (aerial(3000.0), local(), geoid());
+    let surface = frame.above_geoid(geoid.clone(), OrthometricHeight(650.0)).unwrap();
+    assert_eq!(surface.surface().height(), OrthometricHeight(650.0));
+    for image in [Point2::new(10.0, 20.0), Point2::new(2000.0, 1500.0), Point2::new(3990.0, 2990.0)]
+    {
+        let hit = camera.ground(&image, &surface).unwrap();
+        assert!((camera.project(&hit).unwrap() - image).norm() < 1e-8);
+        assert!(surface.height_above(&hit).abs() < 1e-8);
+        let place = frame.geodetic_from_world(&hit).unwrap();
+        let OrthometricHeight(height) = geoid.orthometric(&place).unwrap();
+        assert!((height - 650.0).abs() < 1e-8, "{height}");
+    }
+    // Beyond the grid's edge there is no geoid.
+    let away = LocalFrame::east_north_up(Ellipsoid::WGS84, place(10.0, 5.0, 0.0));
+    let nowhere = EarthFrame::Local(away).above_geoid(geoid, OrthometricHeight(0.0)).unwrap();
+    assert!(camera.ground(&Point2::new(2000.0, 1500.0), &nowhere).is_err());
+    assert!(nowhere.height_above(&Point3::origin()).is_nan());
 }

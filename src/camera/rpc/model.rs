@@ -387,3 +387,21 @@ impl Rpc {
         &self.record
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_keeps_the_digits_beyond_a_float() {
+        // mpmath 1.3.0: −33.9° in radians, nearest float and rest.
+        let (high, low) = (-0.591_666_616_426_077_7, -5.007_196_876_949_885e-17);
+        let angle = Angle::from_degrees(-33.9, 0.1);
+        assert_eq!(angle.offset[0], high);
+        assert!((angle.offset[1] - low).abs() < 1e-31);
+        // The float lies beyond the exact offset, by the rest.
+        let normalised = -low / 0.1f64.to_radians();
+        assert!((angle.normalised(high, 0.0) - normalised).abs() < 1e-28);
+        assert_eq!(angle.angle(normalised), high);
+    }
+}
