@@ -270,6 +270,55 @@ fn many_points_are_undistorted_as_one_by_one() {
     one_by_one(CentralCamera::from_parts(interior, Gnomonic, NoDistortion), 0);
 }
 
+/// Decentering so strong that the first steps of many points do not reach the floor, and prisms and denominators with it.
+#[test]
+fn many_points_through_strong_lenses_are_undistorted_as_one_by_one() {
+    let interior =
+        InteriorOrientation::new([611.3, 598.7], Point2::new(513.4, 391.9), 0.7).unwrap();
+    let brown = Brown::new([-0.28, 0.07, 0.002], [1e-2, -2e-2]).unwrap();
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, brown), 0);
+    let (k, p, s) = ([0.2, -0.1, 0.05, 0.4, 0.1, 0.02], [0.02, 0.01], [0.03, -0.02, 0.01, 0.02]);
+    let rational = Rational::new(k, p, s, [0.0; 2]).unwrap();
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, rational), 0);
+    let metashape = Metashape::new([0.3, -0.1, 0.05, 0.0], [0.02, 0.01, -0.5, 0.3]).unwrap();
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, metashape), 0);
+}
+
+/// Past their fold these polynomials rise again: a target beyond the rim has a point out there, and Newton's steps find it.
+#[test]
+fn what_lies_beyond_the_rim_has_no_ideal_point_alone_or_among_many() {
+    // 1 − 1.5 s + 0.4 s² = 0 at s = (1.5 − √0.65)/0.8; the rim is there r (1 − 0.5 s + 0.08 s²).
+    let s = (1.5 - 0.65f64.sqrt()) / 0.8;
+    let rim = s.sqrt() * (1.0 - 0.5 * s + 0.08 * s * s);
+    beyond(&Brown::new([-0.5, 0.08, 0.0], [0.0; 2]).unwrap(), rim);
+    beyond(&Metashape::new([-0.5, 0.08, 0.0, 0.0], [0.0; 4]).unwrap(), rim);
+    beyond(&EvenRadial::new([-0.5, 0.08, 0.0, 0.0]).unwrap(), rim);
+    beyond(&ThinPrism::new([-0.5, 0.08, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap(), rim);
+    let rational = Rational::from_opencv(&[-0.5, 0.08, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+    beyond(&rational, rim);
+}
+
+fn beyond(lens: &impl Distortion, rim: f64) {
+    for turn in [0.0_f64, 0.9, 2.4, 4.4] {
+        let ray = Vector2::new(turn.cos(), turn.sin());
+        for step in 0..400 {
+            // Half of the points lie within the rim, so that the others find a start.
+            let outside = Point2::from(ray * (rim * (1.0 + 1e-6 + f64::from(step) * 2e-3)));
+            assert!(lens.undistort(&outside).is_err(), "{lens:?} {outside}");
+            let inside = |i: i32| Point2::from(ray * (rim * f64::from(i) / 33.0));
+            let mut many: Vec<_> = (0..32).map(inside).chain([outside; 32]).collect();
+            let given = many.clone();
+            let report = lens.undistort_many(&mut many);
+            assert_eq!((report.converged, report.failed), (32, 32), "{lens:?} {outside}");
+            for (found, given) in many[..32].iter().zip(&given) {
+                let off = (lens.distort(found).unwrap() - given).norm();
+                assert!(off <= report.largest_residual + 1e-16, "{off} {report:?}");
+            }
+            assert!(many[32..].iter().all(|p| p.x.is_nan() && p.y.is_nan()), "{lens:?}");
+        }
+    }
+}
+
 fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures: usize) {
     for count in [0, 1, 5, 31, 64, 65, 3001] {
         let pixels: Vec<Point2<f64>> = (0..count)
@@ -285,10 +334,13 @@ fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures
         assert!(report.failed > 0 && report.largest_residual < 4e-15 * 2.0, "{report:?}");
         assert!(count < 3000 || report.failed > fewest_failures, "{report:?}");
         let mut failed = 0;
+        let mut largest = 0.0_f64;
         for (pixel, point) in pixels.iter().zip(&ideal) {
             let distorted = camera.interior().normalised_from_pixel(pixel);
             match camera.distortion().undistort(&distorted) {
                 Ok(alone) => {
+                    let thrown = camera.distortion().distort(point).unwrap();
+                    largest = largest.max((thrown - distorted).norm());
                     // Both are at the floor of the residual; near the fold that floor is wide.
                     let share = alone.point.coords.norm() / camera.distortion().fold_radius();
                     let off = (point - alone.point).norm();
@@ -301,6 +353,8 @@ fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures
             }
         }
         assert_eq!(failed, report.failed);
+        // The report is of this very run: what it says was measured, to a few roundings of the formula.
+        assert!((largest - report.largest_residual).abs() < 2e-15, "{largest} {report:?}");
     }
     assert!(camera.undistort_points(&[Point2::origin()], &mut []).is_err());
 }
