@@ -477,6 +477,15 @@ mod tests {
                     assert!((exact - column[row]).abs() < 1e-15, "{variable}");
                 }
             }
+            // Freed of their denominators both are the same numbers.
+            let at = [point.x, point.y];
+            let (miss, below) = lens.miss(at, [0.2, -0.3]);
+            let distorted = [dual[0].value, dual[1].value];
+            for (i, target) in [0.2, -0.3].into_iter().enumerate() {
+                assert!((miss[i] - below * (distorted[i] - target)).abs() < 1e-15);
+            }
+            let numerator = Matrix2::from_row_slice(&lens.jacobian_numerator(at));
+            assert!((numerator - jacobian * (below * below)).norm() < 4e-15, "{numerator}");
             let r = point.coords.norm();
             let [value, slope] = lens.radial(r);
             let far = lens.radial(r + 1e-6)[0];
