@@ -69,7 +69,8 @@
 //! - Geometry is `f64` and nalgebra, pixels are `f32`; both libraries are re-exported.
 //! - Failure is a value: [`ProjectionError`] for a point or pixel, [`Error`] for constructors and estimators.
 //!
-//! More in [`_conventions`]; what the numbers of other tools mean in [`_coming_from`]. \[WD\], \[S\], \[H\] and \[C\] are the sources whose equations the documentation cites by
+//! More in [`_conventions`]; every camera model in [`_models`]; what the numbers of other tools mean in [`_coming_from`].
+//! \[WD\], \[S\], \[H\] and \[C\] are the sources whose equations the documentation cites by
 //! number; [`_sources`] lists which equation is which function, and the test that holds it.
 //!
 //! # Features
@@ -116,6 +117,9 @@ pub mod _conventions {}
 
 #[doc = include_str!("../docs/coming-from.md")]
 pub mod _coming_from {}
+
+#[doc = include_str!("../docs/models.md")]
+pub mod _models {}
 
 #[doc = include_str!("../docs/sources.md")]
 pub mod _sources {}

@@ -185,15 +185,20 @@ fn a_rational_camera_goes_from_form_to_form() {
     let read = |name: &str| serde_json::from_str::<Value>(&folder.text(name)).unwrap();
     let (before, after) = (read("rpc.json"), read("again.json"));
     for (field, value) in before.as_object().unwrap() {
-        let numbers = |v: &Value| v.as_array().map(|l| l.iter().map(Value::as_f64).collect::<Vec<_>>());
-        let same = numbers(value) == numbers(&after[field]) && value.as_f64() == after[field].as_f64();
+        let numbers =
+            |v: &Value| v.as_array().map(|l| l.iter().map(Value::as_f64).collect::<Vec<_>>());
+        let same =
+            numbers(value) == numbers(&after[field]) && value.as_f64() == after[field].as_f64();
         assert!(same, "{field}: {value} {}", after[field]);
     }
     let says = |arguments: &[&str], expected: &str| {
         let run = folder.run(arguments);
         assert!(run.code == 1 && run.stderr.contains(expected), "{}", run.stderr);
     };
-    says(&["convert", "rpc.json", "--to", "colmap", "-o", "out"], "is a rational polynomial camera");
+    says(
+        &["convert", "rpc.json", "--to", "colmap", "-o", "out"],
+        "is a rational polynomial camera",
+    );
     folder.write("camera.json", document("camera", &vertical(400, 300, "")));
     says(&["convert", "camera.json", "--to", "rpb", "-o", "out"], "holds no rational polynomial");
 }

@@ -142,8 +142,7 @@ impl<P: CentralProjection, D: Distortion> CentralCamera<P, D> {
             });
         }
         let mut report = UndistortedMany::NONE;
-        // Blocks that stay in the cache between the two steps.
-        for (pixels, ideal) in pixels.chunks(1024).zip(ideal.chunks_mut(1024)) {
+        for (pixels, ideal) in pixels.chunks(MANY).zip(ideal.chunks_mut(MANY)) {
             for (pixel, point) in pixels.iter().zip(ideal.iter_mut()) {
                 *point = self.interior.normalised_from_pixel(pixel);
             }
@@ -175,6 +174,9 @@ impl<P: CentralProjection, D: Distortion> CentralCamera<P, D> {
         Ok(Trace { plane, distorted, image, pixel_by_plane, jacobian })
     }
 }
+
+/// Points that stay in the cache between the two steps, and are worth a start of their own.
+const MANY: usize = 8192;
 
 #[derive(Clone, Copy)]
 enum Part {

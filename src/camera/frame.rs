@@ -4,8 +4,8 @@ use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
 
 use super::interior::InteriorOrientation;
 use super::{
-    Adjustable, BrownCamera, CentralModel, ExteriorOrientation, HomogeneousCamera, ParameterGroup,
-    SensorModel, collinearity,
+    Adjustable, CentralCamera, CentralModel, Distortion, ExteriorOrientation, Gnomonic,
+    HomogeneousCamera, ParameterGroup, SensorModel, collinearity,
 };
 use crate::error::{Error, ProjectionError};
 use crate::geometry::rotation::{RotationVector, orthonormalised};
@@ -70,7 +70,7 @@ impl Frame<InteriorOrientation> {
     }
 }
 
-impl Frame<BrownCamera> {
+impl<D: Distortion> Frame<CentralCamera<Gnomonic, D>> {
     /// The same camera with its lens errors taken away.
     #[must_use]
     pub fn ideal(&self) -> Frame<InteriorOrientation> {

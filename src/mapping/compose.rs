@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Point2};
 
 use super::{FractionalLinear, Map};
-use crate::camera::{BrownCamera, Distortion, Frame, HomogeneousCamera};
+use crate::camera::{Brown, CentralCamera, Distortion, Frame, Gnomonic, HomogeneousCamera};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::Plane;
 
@@ -48,9 +48,10 @@ impl<A: Map, B: Map> Map for Composed<A, B> {
 
 /// From the ideal (distortion-free) picture of a camera to the picture it takes: pixel → distorted pixel.
 ///
+/// Of a perspective with any lens; fisheyes and the like, which have no ideal picture, have a [`CentralMap`](super::CentralMap).
 /// \[WD\] eq. 1 leads into the ideal picture; behind it, as [`Composed::outer`], this map leads into the photograph.
 ///
-/// *Domain.* Ideal points within the lens's [fold radius](crate::camera::Brown::fold_radius).
+/// *Domain.* Ideal points within the lens's [fold radius](Distortion::fold_radius).
 ///
 /// # Example
 /// OpenCV 5.0.0, `projectPoints` of (0.31, −0.22, 1), whose ideal pixel is (810, 280):
@@ -70,19 +71,19 @@ impl<A: Map, B: Map> Map for Composed<A, B> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "redistort")]
-pub struct DistortMap {
-    camera: BrownCamera,
+pub struct DistortMap<D = Brown> {
+    camera: CentralCamera<Gnomonic, D>,
 }
 
-impl DistortMap {
-    /// The lens of a camera; ideal pixels are those of its [`interior`](BrownCamera::interior).
+impl<D: Distortion> DistortMap<D> {
+    /// The lens of a camera; ideal pixels are those of its [`interior`](CentralCamera::interior).
     #[must_use]
-    pub fn new(camera: BrownCamera) -> Self {
+    pub fn new(camera: CentralCamera<Gnomonic, D>) -> Self {
         Self { camera }
     }
 }
 
-impl Map for DistortMap {
+impl<D: Distortion> Map for DistortMap<D> {
     #[inline]
     fn at(&self, ideal: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
         let interior = self.camera.interior();
@@ -120,16 +121,16 @@ impl Map for DistortMap {
 /// assert!((map.at(&Point2::new(10.0, 0.0))? - Point2::new(739.9, 480.0)).norm() < 1e-10);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub type PhotographMap = Composed<DistortMap, FractionalLinear>;
+pub type PhotographMap<D = Brown> = Composed<DistortMap<D>, FractionalLinear>;
 
-impl PhotographMap {
+impl<D: Distortion> PhotographMap<D> {
     /// The map that a plane, a photograph and a screen share.
     ///
     /// # Errors
     /// As [`FractionalLinear::from_plane`].
     pub fn from_plane(
         plane: &Plane,
-        photograph: &Frame<BrownCamera>,
+        photograph: &Frame<CentralCamera<Gnomonic, D>>,
         screen: &HomogeneousCamera,
     ) -> Result<Self, Error> {
         let inner = FractionalLinear::from_plane(plane, &photograph.ideal().homogeneous(), screen)?;
@@ -140,7 +141,7 @@ impl PhotographMap {
 /// From the picture a camera takes to its ideal picture: pixel → undistorted pixel. The inverse of [`DistortMap`].
 ///
 /// *Domain.* Pixels that an ideal point within the fold radius has for its image. *Accuracy.* As
-/// [`Brown::undistort`](crate::camera::Brown::undistort); a few Newton steps a pixel.
+/// [`Distortion::undistort`]; a few Newton steps a pixel.
 ///
 /// # Example
 /// OpenCV 5.0.0's `projectPoints` puts (0.31, −0.22, 1) at this pixel (half a pixel on, as its centres are integers);
@@ -160,19 +161,19 @@ impl PhotographMap {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "undistort")]
-pub struct UndistortMap {
-    camera: BrownCamera,
+pub struct UndistortMap<D = Brown> {
+    camera: CentralCamera<Gnomonic, D>,
 }
 
-impl UndistortMap {
+impl<D: Distortion> UndistortMap<D> {
     /// The lens of a camera, undone.
     #[must_use]
-    pub fn new(camera: BrownCamera) -> Self {
+    pub fn new(camera: CentralCamera<Gnomonic, D>) -> Self {
         Self { camera }
     }
 }
 
-impl Map for UndistortMap {
+impl<D: Distortion> Map for UndistortMap<D> {
     fn at(&self, photograph: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
         let interior = self.camera.interior();
         let distorted = interior.normalised_from_pixel(photograph);

@@ -8,6 +8,7 @@
 
 mod affine;
 mod cantrell;
+mod central;
 mod compose;
 mod fractional_linear;
 pub mod perspective_bilinear;
@@ -21,6 +22,7 @@ use core::ops::Range;
 use nalgebra::{Matrix2, Point2};
 
 pub use cantrell::CantrellPlane;
+pub use central::{CentralMap, CentralPhotographMap};
 pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
 pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};

@@ -59,6 +59,31 @@ impl Scalar for f64 {
     }
 }
 
+/// For what an iteration in `f64` makes exact: a register holds twice as many.
+impl Scalar for f32 {
+    #[inline]
+    fn constant(value: f64) -> Self {
+        value as Self
+    }
+    #[inline]
+    fn value(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        Self::constant(float::sqrt(f64::from(self)))
+    }
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = float::sin_cos(f64::from(self));
+        (Self::constant(sine), Self::constant(cosine))
+    }
+    #[inline]
+    fn atan2(self, other: Self) -> Self {
+        Self::constant(float::atan2(f64::from(self), f64::from(other)))
+    }
+}
+
 /// A dual number: a value and its derivatives with respect to `N` variables (Clifford 1873).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(

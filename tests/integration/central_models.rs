@@ -3,12 +3,16 @@
 use std::f64::consts::{PI, TAU};
 
 use collinear::camera::{
-    Adjustable, Brown, CentralCamera, CentralModel, CentralProjection, Distortion, Division,
-    DoubleSphere, EnhancedUnified, EvenRadial, FieldOfView, Fisheye, Fraser, Gnomonic,
-    InteriorOrientation, Metashape, NoDistortion, Panorama, RadialTangentialThinPrism, Rational,
-    ThinPrism, UnifiedSphere, from_colmap,
+    Adjustable, Brown, BrownCamera, COLMAP_MODELS, CentralCamera, CentralModel, CentralProjection,
+    Distortion, Division, DoubleSphere, EnhancedUnified, EvenRadial, ExteriorOrientation,
+    FieldOfView, Fisheye, Frame, Fraser, Gnomonic, InteriorOrientation, Metashape, NoDistortion,
+    Orthographic, Panorama, RadialTangentialThinPrism, Rational, SensorModel, ThinPrism,
+    UnifiedSphere, from_colmap,
 };
+use collinear::geometry::{Affine2, Plane};
+use collinear::mapping::{CentralMap, CentralPhotographMap, Map, PhotographMap};
 use collinear::nalgebra::{Point2, Point3, Vector2, Vector3};
+use collinear::{Error, ProjectionError};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -79,6 +83,22 @@ fn opencvs_models_project_as_opencv_does() {
     }
 }
 
+#[test]
+fn the_page_of_models_names_every_figure_and_every_model_of_colmap() {
+    let page = include_str!("../../docs/models.md");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut figures = 0;
+    for entry in std::fs::read_dir(root.join("docs/figures/lenses")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(page.contains(&format!("| `{name}` |")), "{name}");
+        figures += 1;
+    }
+    assert_eq!(page.matches(".svg`").count(), figures);
+    for (name, _) in COLMAP_MODELS {
+        assert!(page.contains(&format!("`{name}`")), "{name}");
+    }
+}
+
 /// The largest angle from the axis, at most `widest`, at which a direction has an image, for a direction around the axis.
 fn edge(camera: &dyn CentralModel, around: f64, widest: f64) -> f64 {
     let sees = |angle: f64| camera.project_direction(&at(angle, around)).is_ok();
@@ -142,6 +162,19 @@ fn check_model<P: CentralProjection, D: Distortion>(projection: P, distortion: D
     for (group, parameters) in influence.iter().enumerate() {
         for (i, largest) in parameters.iter().enumerate() {
             assert!(*largest > 1e-3, "{camera:?}: parameter {i} of group {group} changes nothing");
+        }
+    }
+
+    // From anywhere in the plane of the image: what has a direction is the image of that direction, and not of another branch.
+    for step in 0..400 {
+        let (radius, around) = (0.01 * f64::from(step) * 1.02f64.powi(step % 97), f64::from(step));
+        let plane = Point2::new(radius * around.cos(), radius * around.sin());
+        let image = camera.interior().pixel_from_normalised(&plane);
+        if let Ok(direction) = camera.direction(&image) {
+            // Within rounding of straight back a direction may not tell itself apart from it.
+            let again = camera.project_direction(&direction).unwrap_or(image);
+            let off = (again - image).norm();
+            assert!(off < 1e-6 * (1.0 + radius * radius), "{camera:?} {plane}: {off}");
         }
     }
 
@@ -270,6 +303,55 @@ fn many_points_are_undistorted_as_one_by_one() {
     one_by_one(CentralCamera::from_parts(interior, Gnomonic, NoDistortion), 0);
 }
 
+/// Decentering so strong that the first steps of many points do not reach the floor, and prisms and denominators with it.
+#[test]
+fn many_points_through_strong_lenses_are_undistorted_as_one_by_one() {
+    let interior =
+        InteriorOrientation::new([611.3, 598.7], Point2::new(513.4, 391.9), 0.7).unwrap();
+    let brown = Brown::new([-0.28, 0.07, 0.002], [1e-2, -2e-2]).unwrap();
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, brown), 0);
+    let (k, p, s) = ([0.2, -0.1, 0.05, 0.4, 0.1, 0.02], [0.02, 0.01], [0.03, -0.02, 0.01, 0.02]);
+    let rational = Rational::new(k, p, s, [0.0; 2]).unwrap();
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, rational), 0);
+    let metashape = Metashape::new([0.3, -0.1, 0.05, 0.0], [0.02, 0.01, -0.5, 0.3]).unwrap();
+    one_by_one(CentralCamera::from_parts(interior, Gnomonic, metashape), 0);
+}
+
+/// Past their fold these polynomials rise again: a target beyond the rim has a point out there, and Newton's steps find it.
+#[test]
+fn what_lies_beyond_the_rim_has_no_ideal_point_alone_or_among_many() {
+    // 1 − 1.5 s + 0.4 s² = 0 at s = (1.5 − √0.65)/0.8; the rim is there r (1 − 0.5 s + 0.08 s²).
+    let s = (1.5 - 0.65f64.sqrt()) / 0.8;
+    let rim = s.sqrt() * (1.0 - 0.5 * s + 0.08 * s * s);
+    beyond(&Brown::new([-0.5, 0.08, 0.0], [0.0; 2]).unwrap(), rim);
+    beyond(&Metashape::new([-0.5, 0.08, 0.0, 0.0], [0.0; 4]).unwrap(), rim);
+    beyond(&EvenRadial::new([-0.5, 0.08, 0.0, 0.0]).unwrap(), rim);
+    beyond(&ThinPrism::new([-0.5, 0.08, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap(), rim);
+    let rational = Rational::from_opencv(&[-0.5, 0.08, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+    beyond(&rational, rim);
+}
+
+fn beyond(lens: &impl Distortion, rim: f64) {
+    for turn in [0.0_f64, 0.9, 2.4, 4.4] {
+        let ray = Vector2::new(turn.cos(), turn.sin());
+        for step in 0..400 {
+            // Half of the points lie within the rim, so that the others find a start.
+            let outside = Point2::from(ray * (rim * (1.0 + 1e-6 + f64::from(step) * 2e-3)));
+            assert!(lens.undistort(&outside).is_err(), "{lens:?} {outside}");
+            let inside = |i: i32| Point2::from(ray * (rim * f64::from(i) / 33.0));
+            let mut many: Vec<_> = (0..32).map(inside).chain([outside; 32]).collect();
+            let given = many.clone();
+            let report = lens.undistort_many(&mut many);
+            assert_eq!((report.converged, report.failed), (32, 32), "{lens:?} {outside}");
+            for (found, given) in many[..32].iter().zip(&given) {
+                let off = (lens.distort(found).unwrap() - given).norm();
+                assert!(off <= report.largest_residual + 1e-16, "{off} {report:?}");
+            }
+            assert!(many[32..].iter().all(|p| p.x.is_nan() && p.y.is_nan()), "{lens:?}");
+        }
+    }
+}
+
 fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures: usize) {
     for count in [0, 1, 5, 31, 64, 65, 3001] {
         let pixels: Vec<Point2<f64>> = (0..count)
@@ -285,10 +367,13 @@ fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures
         assert!(report.failed > 0 && report.largest_residual < 4e-15 * 2.0, "{report:?}");
         assert!(count < 3000 || report.failed > fewest_failures, "{report:?}");
         let mut failed = 0;
+        let mut largest = 0.0_f64;
         for (pixel, point) in pixels.iter().zip(&ideal) {
             let distorted = camera.interior().normalised_from_pixel(pixel);
             match camera.distortion().undistort(&distorted) {
                 Ok(alone) => {
+                    let thrown = camera.distortion().distort(point).unwrap();
+                    largest = largest.max((thrown - distorted).norm());
                     // Both are at the floor of the residual; near the fold that floor is wide.
                     let share = alone.point.coords.norm() / camera.distortion().fold_radius();
                     let off = (point - alone.point).norm();
@@ -301,6 +386,8 @@ fn one_by_one<D: Distortion>(camera: CentralCamera<Gnomonic, D>, fewest_failures
             }
         }
         assert_eq!(failed, report.failed);
+        // The report is of this very run: what it says was measured, to a few roundings of the formula.
+        assert!((largest - report.largest_residual).abs() < 2e-15, "{largest} {report:?}");
     }
     assert!(camera.undistort_points(&[Point2::origin()], &mut []).is_err());
 }
@@ -325,6 +412,11 @@ fn projections_of_one_ray_by_hand() {
     let expected = 0.75f64.sqrt() / (0.6 * 0.84f64.sqrt() + 0.12);
     right(&|d| double.plane(d).unwrap(), expected);
 
+    // Straight up, whatever the signs of the zeros.
+    for zeros in [[0.0, 0.0], [-0.0, -0.0], [0.0, -0.0]] {
+        let up = Panorama::Equirectangular.plane(&Vector3::new(zeros[0], -3.0, zeros[1])).unwrap();
+        assert_eq!(up, Point2::new(0.0, -0.5 * PI));
+    }
     let below = Vector3::new(1.0, 2.0, -1.0);
     let at = Panorama::Equirectangular.plane(&below).unwrap();
     // 135° to the right; tan φ = 2/√2
@@ -373,9 +465,217 @@ fn folds_of_rational_and_corrected_lenses_by_hand() {
         Rational::new([-0.1, 0.0, 0.0, 1.0, 0.0, 0.0], [0.0; 2], [0.0; 4], [0.0; 2]).unwrap();
     let expected = (0.5 * (209f64.sqrt() - 13.0)).sqrt();
     assert!((lens.fold_radius() - expected).abs() < 1e-15, "{}", lens.fold_radius());
+    // A pole: 1/(1 − r²).
+    let pole = Rational::new([0.0, 0.0, 0.0, -1.0, 0.0, 0.0], [0.0; 2], [0.0; 4], [0.0; 2]);
+    assert!((pole.unwrap().fold_radius() - 1.0).abs() < 1e-15);
+    // A pincushion, whose slope across the radius, 1 + r²/2, is the smaller: 1 + r²/2 = 6 · 0.3 r.
+    let lens = Brown::new([0.5, 0.0, 0.0], [0.18, 0.24]).unwrap();
+    assert!((lens.fold_radius() - (1.8 - 1.24f64.sqrt())).abs() < 1e-15);
+    // x + s₁r² has the slope 1 − 2 s₁r at (−r, 0); |(0.3, 0.4)| = ½.
+    let lens = ThinPrism::new([0.0; 4], [0.0; 2], [0.3, 0.4]).unwrap();
+    assert!((lens.fold_radius() - 1.0).abs() < 1e-15);
+    // x + s₂r⁴ has the slope 1 − 4 s₂r³.
+    let s = [0.0, 0.03, 0.0, -0.04];
+    let lens = Rational::new([0.0; 6], [0.0; 2], s, [0.0; 2]).unwrap();
+    assert!((lens.fold_radius() - 5f64.cbrt()).abs() < 1e-14);
+    // Of |p| (3 r² + 3|q₁| r⁴ + 3|q₂| r⁶) the slope is at most |p| (6 r + 12 |q₁| r³ + 18 |q₂| r⁵).
+    let lens = Metashape::new([0.0; 4], [0.03, 0.04, -0.5, 0.25]).unwrap();
+    let r = lens.fold_radius();
+    assert!((0.05 * (6.0 * r + 6.0 * r.powi(3) + 4.5 * r.powi(5)) - 1.0).abs() < 1e-14, "{r}");
     // ∂x̂/∂x̄ = 1 − 3x̄² − 0.19 on the x axis.
     let lens = Fraser::new([-1.0, 0.0, 0.0], [0.0; 2], [-0.19, 0.0]).unwrap();
     assert!((lens.fold_radius() - 0.27f64.sqrt()).abs() < 1e-15);
+}
+
+/// Where decentering or a prism throws a point outwards, its image lies beyond the fold radius, and beyond what the radial part
+/// alone reaches.
+#[test]
+fn strong_lenses_come_back_from_their_rim_on_every_side() {
+    fn around(lens: &impl Distortion) {
+        for i in 0..40 {
+            let turn = f64::from(i) * TAU / 40.0;
+            let ideal = Point2::new(turn.cos(), turn.sin()) * (0.97 * lens.fold_radius().min(3.0));
+            let thrown = lens.distort(&ideal).unwrap();
+            let back = lens.undistort(&thrown).unwrap();
+            assert!((back.point - ideal).norm() < 1e-12, "{lens:?} {ideal}");
+            // What is said of the end is so.
+            let off = (lens.distort(&back.point).unwrap() - thrown).norm();
+            assert!((off - back.residual).abs() < 4e-15 && back.residual < 2e-14, "{back:?} {off}");
+        }
+    }
+    around(&Brown::new([0.0; 3], [0.06, 0.08]).unwrap());
+    around(&Brown::new([0.3, -0.02, 0.0], [0.06, 0.08]).unwrap());
+    around(&ThinPrism::new([0.0; 4], [0.0; 2], [0.3, 0.4]).unwrap());
+    around(&Rational::new([0.0; 6], [0.0; 2], [0.0, 0.03, 0.0, -0.04], [0.0; 2]).unwrap());
+    around(&Metashape::new([0.0; 4], [0.03, 0.04, 0.5, 0.25]).unwrap());
+    // A corrected lens starts from its measured points.
+    let lens = Fraser::new([-0.02, 0.0, 0.0], [0.02, 0.01], [0.4, -0.1]).unwrap();
+    for i in 0..40 {
+        let turn = f64::from(i) * TAU / 40.0;
+        let measured = Point2::new(turn.cos(), turn.sin()) * (0.97 * lens.fold_radius());
+        let back = lens.distort(&lens.undistort(&measured).unwrap().point).unwrap();
+        assert!((back - measured).norm() < 1e-12, "{measured} {back}");
+    }
+    let k = [0.1, 0.0, 0.0, 0.0, 0.0, 0.0];
+    around(&RadialTangentialThinPrism::new(k, [0.05, 0.02], [0.1, 0.0, -0.2, 0.0]).unwrap());
+}
+
+/// A sensor turned by −1 about y: w = cos 1 − x′ sin 1 is 0 at x′ = cot 1 = 0.642; from beyond it the homography would lead to
+/// the other side of the picture.
+#[test]
+fn a_tilted_sensor_ends_at_its_horizon() {
+    let lens = Rational::new([0.0; 6], [0.0; 2], [0.0; 4], [0.0, -1.0]).unwrap();
+    let at = lens.distort(&Point2::new(0.6, 0.0)).unwrap();
+    assert!((at.x - 0.6 / (1f64.cos() - 0.6 * 1f64.sin())).abs() < 1e-13, "{at}");
+    assert!(lens.distort(&Point2::new(0.65, 0.0)).is_err());
+    // The image that x′ = 1 would have.
+    let ghost = Point2::new(1.0 / (1f64.cos() - 1f64.sin()), 0.0);
+    assert!(lens.undistort(&ghost).is_err());
+    let mut many = [ghost; 40];
+    assert_eq!(lens.undistort_many(&mut many).failed, 40);
+    for tilt in [[0.0, 1.6], [-1.6, 0.0], [f64::NAN, 0.0]] {
+        assert!(Rational::new([0.0; 6], [0.0; 2], [0.0; 4], tilt).is_err());
+    }
+}
+
+/// The second stage, p alone, ends at 1/(6|p|) = 1; the radial image reaches it at 0.8 (1 + 0.390625 · 0.64) = 1. With k₀ = −⅓ the
+/// radial stage folds first, at 1, where its image is ⅔.
+#[test]
+fn two_stages_end_where_the_first_of_them_does() {
+    let lens = |k0, p0| {
+        let k = [k0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        RadialTangentialThinPrism::new(k, [p0, 0.0], [0.0; 4]).unwrap()
+    };
+    let second = lens(0.390_625, 1.0 / 6.0);
+    assert!((second.fold_radius() - 0.8).abs() < 1e-14, "{}", second.fold_radius());
+    assert!(second.distort(&Point2::new(0.0, 0.799)).is_ok());
+    assert!(second.distort(&Point2::new(0.0, 0.801)).is_err());
+    let first = lens(-1.0 / 3.0, 1.0 / 6.0);
+    assert!((first.fold_radius() - 1.0).abs() < 1e-14, "{}", first.fold_radius());
+    // So weak that the numbers hold its fold and the search does not: it is cut off.
+    assert_eq!(Brown::new([-1e-34, 0.0, 0.0], [0.0; 2]).unwrap().fold_radius(), 1e16);
+}
+
+/// Where the edges lie, by the equations of the domains.
+#[test]
+fn projections_end_where_their_equations_say() {
+    for (xi, alpha) in [(-0.18, 0.59), (0.3, 0.4), (0.6, 0.7), (-0.5, 0.3), (0.0, 0.5)] {
+        let lens = DoubleSphere::new(xi, alpha).unwrap();
+        let w1: f64 = if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha };
+        for i in 1..2000 {
+            let angle = f64::from(i) * PI / 2000.0;
+            let (rho, z) = angle.sin_cos();
+            let w = xi + z;
+            let margin = w + w1 * rho.hypot(w);
+            if margin.abs() > 1e-6 {
+                let seen = lens.plane(&at(angle, 0.3)).is_ok();
+                assert_eq!(seen, margin > 0.0, "{lens:?} {angle} {margin}");
+            }
+        }
+    }
+    // λ = ¼: Z = 2 √λ ρ = ρ.
+    let lens = Division::new(0.25).unwrap();
+    let outside = lens.plane(&Vector3::new(1.2, 0.0, 1.0));
+    assert_eq!(outside, Err(ProjectionError::OutsideDomain { value: 1.2, limit: 1.0 }));
+    assert!(lens.direction(&Point2::new(1.999, 0.0)).is_ok());
+    assert!(lens.direction(&Point2::new(2.001, 0.0)).is_err());
+}
+
+#[test]
+fn coefficients_whose_products_leave_the_numbers_are_named() {
+    let refused = Brown::new([0.0, 0.0, 1e31], [0.0; 2]);
+    let what = "distortion coefficient";
+    assert!(matches!(refused, Err(Error::OutOfRange { what: w, .. }) if w == what), "{refused:?}");
+}
+
+/// A map of a sloping plane in map coordinates, by the chain written out: the point of the screen on the plane, its direction
+/// in camera axes, the camera.
+fn maps_as_seen<C: CentralModel + Clone>(
+    camera: &C,
+    other: impl Fn(&Frame<C>) -> Option<Box<dyn Map>>,
+) {
+    let origin = Point3::new(389_400.0, 5_819_700.0, 40.0);
+    let plane = Plane::from_point_and_normal(origin, Vector3::new(0.2, -0.1, 1.0)).unwrap();
+    let center = origin + Vector3::new(30.0, 20.0, 100.0);
+    let exterior =
+        ExteriorOrientation::look_at(center, origin + Vector3::new(60.0, 5.0, 0.0), Vector3::y())
+            .unwrap();
+    let photograph = Frame::new(exterior, camera.clone());
+    let above =
+        ExteriorOrientation::look_at(origin + Vector3::z() * 50.0, origin, Vector3::y()).unwrap();
+    let screen = Orthographic::new(above, Affine2::identity()).unwrap();
+    let map = CentralPhotographMap::from_plane(&plane, &photograph, &screen.homogeneous()).unwrap();
+    let other = other(&photograph);
+    let rows = exterior.camera_from_world();
+    let mut seen = 0;
+    for i in 0..400 {
+        let (s, l) = (f64::from(i % 20) * 20.0 - 190.0, f64::from(i / 20) * 20.0 - 190.0);
+        let pixel = Point2::new(s, l);
+        // East is right and north is up; the plane rises as its normal says.
+        let world = origin + Vector3::new(s, -l, -(0.2 * s + 0.1 * l));
+        let d = rows * (world - center);
+        let Ok(at) = map.at(&pixel) else {
+            assert!(camera.project_direction(&d).is_err(), "{camera:?} {pixel}");
+            continue;
+        };
+        let expected = camera.project_direction(&d).unwrap();
+        // Next to its horizon a plane is seen far beyond any picture.
+        if expected.coords.norm() > 1e5 {
+            continue;
+        }
+        seen += 1;
+        assert!((at - expected).norm() < 1e-5, "{camera:?} {pixel}: {at} for {expected}");
+        assert!((at - photograph.project(&world).unwrap()).norm() < 1e-5);
+        if let Some(other) = &other {
+            assert!((other.at(&pixel).unwrap() - at).norm() < 1e-5);
+        }
+        let slope = map.jacobian(&pixel).unwrap();
+        for (column, h) in [Vector2::x(), Vector2::y()].into_iter().enumerate() {
+            let moved = [1e-3, -1e-3].map(|t| map.at(&(pixel + h * t)));
+            if let [Ok(a), Ok(b)] = moved {
+                let off = ((a - b) / 2e-3 - slope.column(column)).norm();
+                assert!(off < 1e-4 * (1.0 + slope.norm()), "{camera:?} {pixel} {off}");
+            }
+        }
+    }
+    assert!(seen > 100, "{camera:?}: {seen}");
+    // A plane through the eye is a line.
+    let edge_on = Plane::from_point_and_normal(center, Vector3::new(0.2, -0.1, 1.0)).unwrap();
+    assert!(
+        CentralPhotographMap::from_plane(&edge_on, &photograph, &screen.homogeneous()).is_err()
+    );
+}
+
+#[test]
+fn a_plane_is_mapped_into_a_photograph_of_every_kind() {
+    let interior =
+        InteriorOrientation::new([611.3, 598.7], Point2::new(513.4, 391.9), 0.7).unwrap();
+    let screen = |photograph: &Frame<BrownCamera>| {
+        let origin = Point3::new(389_400.0, 5_819_700.0, 40.0);
+        let plane = Plane::from_point_and_normal(origin, Vector3::new(0.2, -0.1, 1.0)).unwrap();
+        let above =
+            ExteriorOrientation::look_at(origin + Vector3::z() * 50.0, origin, Vector3::y())
+                .unwrap();
+        let screen = Orthographic::new(above, Affine2::identity()).unwrap().homogeneous();
+        let map = PhotographMap::from_plane(&plane, photograph, &screen).unwrap();
+        Some(Box::new(map) as Box<dyn Map>)
+    };
+    let brown = Brown::new([0.11, -0.01, 0.001], [1.1e-3, -6e-4]).unwrap();
+    maps_as_seen(&BrownCamera::new(interior, brown), screen);
+    let fisheye = EvenRadial::new([0.031, -0.015, 0.0063, -0.0011]).unwrap();
+    maps_as_seen(&CentralCamera::from_parts(interior, Fisheye::Equidistant, fisheye), |_| None);
+    maps_as_seen(&CentralCamera::ideal(interior, Panorama::Equirectangular), |_| None);
+    let double = DoubleSphere::new(-0.18, 0.59).unwrap();
+    maps_as_seen(&CentralCamera::ideal(interior, double), |_| None);
+
+    // The plane one ahead, there and back; behind the camera there is none of it.
+    let map = CentralMap::ahead(CentralCamera::ideal(interior, Fisheye::Equidistant));
+    for (x, y) in [(0.3, -0.2), (-4.0, 0.5), (0.0, 0.0), (7.0, -9.0)] {
+        let plane = Point2::new(x, y);
+        let back = map.plane_point(&map.at(&plane).unwrap()).unwrap();
+        assert!((back - plane).norm() < 1e-12 * (1.0 + plane.coords.norm_squared()), "{back}");
+    }
+    assert!(map.plane_point(&Point2::new(513.4 + 611.3 * 1.6, 391.9)).is_err());
 }
 
 /// A model of any numbers through any numbers: an answer or an error, and what it answers is a number.

@@ -6,9 +6,9 @@ use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use collinear::geometry::projection::ClipConvention;
 use collinear_cli::convert::{Target, outputs, write};
+use collinear_io::Document;
 use collinear_io::colmap::Encoding;
 use collinear_io::opencv::Form;
-use collinear_io::Document;
 use collinear_io::photographs;
 use collinear_io::rpc::{RpcFile, read_if_rpc};
 

@@ -18,13 +18,15 @@ use crate::error::Error;
 ///
 /// # Domain
 /// The Jacobian is symmetric, so the map is the gradient of a potential, which is convex as long as both eigenvalues
-/// stay positive. The first one to vanish does so on the circle of the *fold radius*, the smallest positive root of
+/// stay positive. The *fold radius* is the smallest positive root of
 ///
 /// ```text
 /// 1 − 6 √(p₁² + p₂²) r + 3 k₁ r² + 5 k₂ r⁴ + 7 k₃ r⁶ = 0
+/// 1 − 6 √(p₁² + p₂²) r +   k₁ r² +   k₂ r⁴ +   k₃ r⁶ = 0
 /// ```
 ///
-/// Within it the map is one to one; beyond it the polynomial runs back and would place points from outside the field in
+/// Where the first has it, as that of every barrel, an eigenvalue vanishes on this circle; the second is a lower bound, which lenses of
+/// weak decentering meet far outside any picture. Within the fold radius the map is one to one; beyond it the polynomial runs back and would place points from outside the field in
 /// the middle of the picture. Such points are refused.
 ///
 /// # Accuracy

@@ -51,8 +51,52 @@ fn series<V: Scalar>(coefficients: &[V], s: V) -> V {
 /// The slope of [`series`] in s.
 #[inline(always)]
 fn series_slope<V: Scalar>(coefficients: &[V], s: V) -> V {
-    let terms = coefficients.iter().enumerate().rev();
-    terms.fold(V::constant(0.0), |sum, (i, c)| sum * s + c.scale((i + 1) as f64))
+    let Some((last, rest)) = coefficients.split_last() else { return V::constant(0.0) };
+    let last = last.scale(coefficients.len() as f64);
+    rest.iter().enumerate().rev().fold(last, |sum, (i, c)| sum * s + c.scale((i + 1) as f64))
+}
+
+/// The parts of the formula at a point: x″ = x (N/D + `along`) + `across` s.
+struct Parts<V> {
+    /// N, D.
+    ratio: [V; 2],
+    /// 2 m (p₂ x + p₁ y)
+    along: V,
+    /// m (p₂, p₁) + (s₁ + s₂ s, s₃ + s₄ s)
+    across: [V; 2],
+    /// s
+    r2: V,
+}
+
+impl<V: Scalar> Parts<V> {
+    #[inline(always)]
+    fn new<const N: usize, const D: usize, const T: u8, const S: u8>(
+        [x, y]: [V; 2],
+        k: &[V; N],
+        d: &[V; D],
+        p: &[V; 2],
+        q: &[V; 2],
+        s: &[V; 4],
+    ) -> Self {
+        let zero = V::constant(0.0);
+        let r2 = x * x + y * y;
+        let (mut along, mut across) = (zero, [zero; 2]);
+        if T > 0 {
+            across = [p[1], p[0]];
+            if T > 1 {
+                let m = series(q, r2);
+                across = across.map(|p| p * m);
+            }
+            let [a, b] = across.map(|c| c.scale(2.0));
+            along = a * x + b * y;
+        }
+        if S > 0 {
+            let of = |first: V, second: V| if S > 1 { first + second * r2 } else { first };
+            let prism = [of(s[0], s[1]), of(s[2], s[3])];
+            across = if T > 0 { [across[0] + prism[0], across[1] + prism[1]] } else { prism };
+        }
+        Self { ratio: [series(k, r2), series(d, r2)], along, across, r2 }
+    }
 }
 
 /// The formula.
@@ -65,32 +109,20 @@ fn distort<V: Scalar, const N: usize, const D: usize, const T: u8, const S: u8>(
     q: &[V; 2],
     s: &[V; 4],
 ) -> [V; 2] {
-    let r2 = x * x + y * y;
-    let mut radial = series(k, r2);
+    let parts = Parts::new::<N, D, T, S>([x, y], k, d, p, q, s);
+    let [mut radial, below] = parts.ratio;
     if D > 0 {
-        radial = radial / series(d, r2);
+        radial = radial / below;
+    }
+    if T > 0 {
+        radial = radial + parts.along;
     }
     let mut out = [x * radial, y * radial];
-    if T > 0 {
-        let mut t = decentering([x, y], r2, p);
-        if T > 1 {
-            let m = series(q, r2);
-            t = t.map(|t| t * m);
-        }
-        out = [out[0] + t[0], out[1] + t[1]];
-    }
-    if S > 0 {
-        let of = |first: V, second: V| if S > 1 { (first + second * r2) * r2 } else { first * r2 };
-        out = [out[0] + of(s[0], s[1]), out[1] + of(s[2], s[3])];
+    if T > 0 || S > 0 {
+        let [a, b] = parts.across;
+        out = [out[0] + a * parts.r2, out[1] + b * parts.r2];
     }
     out
-}
-
-/// The decentering terms with m = 1.
-#[inline(always)]
-fn decentering<V: Scalar>([x, y]: [V; 2], r2: V, p: &[V; 2]) -> [V; 2] {
-    let xy = (x * y).scale(2.0);
-    [p[0] * xy + p[1] * (r2 + (x * x).scale(2.0)), p[0] * (r2 + (y * y).scale(2.0)) + p[1] * xy]
 }
 
 /// The largest coefficient: their products in the fold's polynomial stay within the numbers.
@@ -212,54 +244,99 @@ impl<const N: usize, const D: usize, const T: u8, const S: u8> Planar<N, D, T, S
         [ratio, (slope - ratio * series_slope(&d, r2)) / below]
     }
 
-    /// The distorted point less a target.
+    /// D times the distorted point less a target, and D: no division, for those who compare with zero.
     #[inline(always)]
-    pub(super) fn miss<V: Scalar>(&self, point: [V; 2], target: [V; 2]) -> [V; 2] {
+    pub(super) fn miss<V: Scalar>(&self, [x, y]: [V; 2], target: [V; 2]) -> ([V; 2], V) {
         let (k, d, p, q, s) = self.lifted::<V>();
-        let [x, y] = distort::<V, N, D, T, S>(point, &k, &d, &p, &q, &s);
-        [x - target[0], y - target[1]]
+        let parts = Parts::new::<N, D, T, S>([x, y], &k, &d, &p, &q, &s);
+        let [mut radial, below] = parts.ratio;
+        if T > 0 {
+            radial = radial + if D > 0 { below * parts.along } else { parts.along };
+        }
+        let mut rest = target;
+        if T > 0 || S > 0 {
+            let [a, b] = parts.across;
+            rest = [target[0] - a * parts.r2, target[1] - b * parts.r2];
+        }
+        if D > 0 {
+            rest = rest.map(|c| below * c);
+        }
+        ([x * radial - rest[0], y * radial - rest[1]], below)
+    }
+
+    /// D.
+    #[inline(always)]
+    pub(super) fn below<V: Scalar>(&self, [x, y]: [V; 2]) -> V {
+        series(&self.d.map(V::constant), x * x + y * y)
     }
 
     /// What decentering and prism add.
     #[inline(always)]
-    pub(super) fn beside_radial<V: Scalar>(&self, point: [V; 2]) -> [V; 2] {
+    pub(super) fn beside_radial<V: Scalar>(&self, [x, y]: [V; 2]) -> [V; 2] {
         let (.., p, q, s) = self.lifted::<V>();
-        let [x, y] = distort::<V, 0, 0, T, S>(point, &[], &[], &p, &q, &s);
-        [x - point[0], y - point[1]]
+        let parts = Parts::new::<0, 0, T, S>([x, y], &[], &[], &p, &q, &s);
+        let ([a, b], along) = (parts.across, parts.along);
+        [x * along + a * parts.r2, y * along + b * parts.r2]
     }
 
     /// ∂(x″, y″)/∂(x, y), by rows.
     #[inline(always)]
-    pub(super) fn jacobian_of<V: Scalar>(&self, [x, y]: [V; 2]) -> [V; 4] {
+    pub(super) fn jacobian_of<V: Scalar>(&self, point: [V; 2]) -> [V; 4] {
+        let ratio = self.ratio(point[0] * point[0] + point[1] * point[1]);
+        self.jacobian_from(point, ratio, V::constant(1.0))
+    }
+
+    /// D² ∂(x″, y″)/∂(x, y), by rows: no division.
+    #[inline(always)]
+    pub(super) fn jacobian_numerator<V: Scalar>(&self, point: [V; 2]) -> [V; 4] {
+        let r2 = point[0] * point[0] + point[1] * point[1];
+        if D == 0 {
+            return self.jacobian_from(point, self.ratio(r2), V::constant(1.0));
+        }
+        let (k, d, ..) = self.lifted::<V>();
+        let (above, below) = (series(&k, r2), series(&d, r2));
+        let slope = series_slope(&k, r2) * below - above * series_slope(&d, r2);
+        self.jacobian_from(point, [above * below, slope], below * below)
+    }
+
+    /// The Jacobian times a weight, from N/D and its slope times the weight.
+    ///
+    /// With a = N/D + along, g = ∇a and c = across: ∂/∂(x, y) of (x, y) a + c s is a I + (x, y) gᵀ + (2 c + 2 s c′) (x, y)ᵀ.
+    #[inline(always)]
+    fn jacobian_from<V: Scalar>(&self, [x, y]: [V; 2], ratio: [V; 2], weight: V) -> [V; 4] {
         let (.., p, q, s) = self.lifted::<V>();
-        let r2 = x * x + y * y;
-        let [ratio, slope] = self.ratio(r2);
-        let slope = slope.scale(2.0);
-        let off = slope * x * y;
-        let mut j = [ratio + slope * x * x, off, off, ratio + slope * y * y];
+        let [mut a, slope] = ratio;
+        let mut slope = slope.scale(2.0);
+        if T == 0 && S == 0 {
+            let off = slope * x * y;
+            return [a + slope * x * x, off, off, a + slope * y * y];
+        }
+        let parts = Parts::new::<0, 0, T, S>([x, y], &[], &[], &p, &q, &s);
+        let weighted = |c: V| if D > 0 { c * weight } else { c };
+        // 2 m (p₂, p₁), and the halves of 2 c and of 2 s c′.
+        let mut by_p = [V::constant(0.0); 2];
+        let mut by_c = parts.across;
         if T > 0 {
-            let cross = (p[0] * x + p[1] * y).scale(2.0);
-            let mut by_point = [
-                (p[0] * y).scale(2.0) + (p[1] * x).scale(6.0),
-                cross,
-                cross,
-                (p[0] * y).scale(6.0) + (p[1] * x).scale(2.0),
-            ];
+            a = a + weighted(parts.along);
+            by_p = [p[1], p[0]];
             if T > 1 {
-                let t = decentering([x, y], r2, &p);
-                let (m, m_slope) = (series(&q, r2), series_slope(&q, r2).scale(2.0));
-                let by_m = [t[0] * x, t[0] * y, t[1] * x, t[1] * y];
-                by_point = core::array::from_fn(|i| by_point[i] * m + by_m[i] * m_slope);
+                let (m, m_slope) = (series(&q, parts.r2), series_slope(&q, parts.r2));
+                let along = (p[1] * x + p[0] * y).scale(4.0);
+                slope = slope + weighted(along * m_slope);
+                by_c = core::array::from_fn(|i| by_c[i] + by_p[i] * (parts.r2 * m_slope));
+                by_p = by_p.map(|p| p * m);
             }
-            j = core::array::from_fn(|i| j[i] + by_point[i]);
         }
-        if S > 0 {
-            let slope = |first: V, second: V| (first + (second * r2).scale(2.0)).scale(2.0);
-            let g = [slope(s[0], s[1]), slope(s[2], s[3])];
-            let prism = [g[0] * x, g[0] * y, g[1] * x, g[1] * y];
-            j = core::array::from_fn(|i| j[i] + prism[i]);
+        if S > 1 {
+            by_c = [by_c[0] + s[1] * parts.r2, by_c[1] + s[3] * parts.r2];
         }
-        j
+        let double = |c: V| weighted(c).scale(2.0);
+        let h = by_c.map(double);
+        let mut g = [slope * x, slope * y];
+        if T > 0 {
+            g = [g[0] + double(by_p[0]), g[1] + double(by_p[1])];
+        }
+        [a + x * (g[0] + h[0]), x * g[1] + h[0] * y, y * g[0] + h[1] * x, a + y * (g[1] + h[1])]
     }
 }
 
@@ -339,7 +416,8 @@ impl<const N: usize, const D: usize, const T: u8, const S: u8> OneToOne for Plan
             put(Vector2::new(r2 + 2.0 * x * x, 2.0 * x * y) * m);
         }
         if T > 1 {
-            let t = Vector2::from(decentering([x, y], r2, &self.p));
+            let [p1, p2] = self.p;
+            let t = here * (2.0 * (p2 * x + p1 * y)) + Vector2::new(p2, p1) * r2;
             put(t * r2);
             put(t * (r2 * r2));
         }
@@ -399,6 +477,15 @@ mod tests {
                     assert!((exact - column[row]).abs() < 1e-15, "{variable}");
                 }
             }
+            // Freed of their denominators both are the same numbers.
+            let at = [point.x, point.y];
+            let (miss, below) = lens.miss(at, [0.2, -0.3]);
+            let distorted = [dual[0].value, dual[1].value];
+            for (i, target) in [0.2, -0.3].into_iter().enumerate() {
+                assert!((miss[i] - below * (distorted[i] - target)).abs() < 1e-15);
+            }
+            let numerator = Matrix2::from_row_slice(&lens.jacobian_numerator(at));
+            assert!((numerator - jacobian * (below * below)).norm() < 4e-15, "{numerator}");
             let r = point.coords.norm();
             let [value, slope] = lens.radial(r);
             let far = lens.radial(r + 1e-6)[0];

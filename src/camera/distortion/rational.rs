@@ -32,7 +32,7 @@ use crate::numeric::scalar::Scalar;
 ///
 /// # Accuracy
 /// Forward within a few roundings of the formula. The inverse undoes the tilt in closed form and ends at the rounding floor of
-/// the rest.
+/// the rest; its residual is measured before the tilt.
 ///
 /// # Example
 /// OpenCV 5.0.0, `projectPoints` of (0.31, −0.22, 1) with these fourteen coefficients and the identity for K:

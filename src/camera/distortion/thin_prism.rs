@@ -152,8 +152,9 @@ impl Distortion for RadialTangentialThinPrism {
     fn undistort(&self, distorted: &Point2<f64>) -> Result<Undistorted, ProjectionError> {
         let second = invert(&self.second, distorted)?;
         let radial = invert(&self.radial, &second.point)?;
+        let thrown = self.second.value(&self.radial.value(&radial.point));
         let iterations = second.iterations + radial.iterations;
-        Ok(Undistorted { iterations, residual: second.residual + radial.residual, ..radial })
+        Ok(Undistorted { iterations, residual: (thrown - distorted).norm(), ..radial })
     }
 
     fn parameter_partials(&self, ideal: &Point2<f64>, out: &mut [Vector2<f64>]) {
