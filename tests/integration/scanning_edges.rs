@@ -7,6 +7,7 @@ use collinear::camera::{
     ImageMotionCompensation, InteriorOrientation, Interpolation, NoDistortion, Panorama,
     PlatformState, PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
 };
+use collinear::geometry::Plane;
 use collinear::nalgebra::{Point2, Point3, Rotation3, Vector3};
 use collinear::{Error, ProjectionError};
 
@@ -64,6 +65,42 @@ fn what_a_scan_does_not_see_says_when_it_would_be_seen() {
     }
     let message = scanner.locus(&Point2::new(5.0, -2.5)).unwrap_err().to_string();
     assert_eq!(message, "outside the scan: time -2.5 is not between 0 and 50");
+}
+
+/// A table that ends with the scan, its nodes closer than lines: the first and the last line are seen like any other, and what
+/// `project` gives is a pixel that `locus` takes.
+#[test]
+fn a_table_that_ends_with_the_scan_sees_its_first_and_its_last_line() {
+    for nodes in [1, 20, 100] {
+        let times: Vec<f64> = (0..=50 * nodes).map(|k| f64::from(k) / f64::from(nodes)).collect();
+        let positions: Vec<_> = times.iter().map(|t| Point3::new(0.0, 0.3 * t, 100.0)).collect();
+        let turn = |t: &f64| Rotation3::from_axis_angle(&Vector3::x_axis(), 1e-4 * t);
+        let level = down(Point3::origin()).camera_from_world();
+        let attitudes: Vec<_> = times.iter().map(|t| turn(t) * level).collect();
+        let linear = Interpolation::Linear;
+        let table = Ephemeris::new((&times, &positions, linear), (&times, &attitudes, linear));
+        let lines = ScanTime::by_line(0.0, 1.0, [0.0, 50.0]).unwrap();
+        let camera = interior(1000.0, 100.0, 0.5);
+        let scanner = Scanner::line_scan(camera, table.unwrap(), 0.5, lines).unwrap();
+        let ground = Plane::from_point_and_normal(Point3::origin(), Vector3::z()).unwrap();
+        for k in 0..=500 {
+            let image = Point2::new(3.0, 0.1 * f64::from(k));
+            let world = scanner.ground(&image, &ground).unwrap();
+            let again = scanner.project(&world).unwrap();
+            assert!((again - image).norm() < 1e-9, "{nodes} {image} {again}");
+            assert!((scanner.ground(&again, &ground).unwrap() - world).norm() < 1e-9);
+        }
+    }
+    // 3 · 0.1 is a rounding above 0.3, where this table ends.
+    let (times, attitudes) = ([0.0, 0.3], [down(Point3::origin()).camera_from_world(); 2]);
+    let positions = [Point3::new(0.0, 0.0, 100.0), Point3::new(0.0, 3.0, 100.0)];
+    let linear = Interpolation::Linear;
+    let table = Ephemeris::new((&times, &positions, linear), (&times, &attitudes, linear)).unwrap();
+    let lines = ScanTime::by_line(0.0, 0.1, [0.0, 3.0]).unwrap();
+    assert!(lines.interval()[1] > 0.3);
+    let scanner = Scanner::line_scan(interior(1000.0, 100.0, 0.5), table, 0.5, lines).unwrap();
+    assert!((scanner.project(&Point3::new(0.0, 3.0, 0.0)).unwrap().y - 3.0).abs() < 1e-9);
+    assert!(scanner.locus(&Point2::new(1.0, 3.0)).is_ok());
 }
 
 /// Seen from a platform that hangs still every line is one: no line is that of a point beside it, and none of one below it can

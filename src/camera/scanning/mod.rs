@@ -19,6 +19,7 @@ use super::{
     NoDistortion, Panorama, ParameterGroup, SensorModel, collinearity,
 };
 use crate::error::{Error, ProjectionError};
+use crate::geometry::rotation::RotationVector;
 use crate::geometry::{Locus, Ray};
 use search::Miss;
 
@@ -205,8 +206,10 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
 
     fn of(camera: C, trajectory: T, detector: Detector, timing: ScanTime) -> Result<Self, Error> {
         let ([first, last], [from, to]) = (timing.interval(), trajectory.span());
+        // A table that ends with the scan may end a rounding before it.
+        let slack = LINES_BEYOND * timing.unit();
         for time in [first, last] {
-            if !(time >= from && time <= to) {
+            if !(time >= from - slack && time <= to + slack) {
                 let expected = "a time of the trajectory";
                 return Err(Error::OutOfRange { what: "time of the scan", value: time, expected });
             }
@@ -249,9 +252,30 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
         }
     }
 
+    /// Where the platform is. What rounding takes a time beyond the trajectory's span, the platform moves on.
+    fn state(&self, time: f64) -> Result<PlatformState, ProjectionError> {
+        let [from, to] = self.trajectory.span();
+        let held = time.max(from).min(to);
+        let mut state = self.trajectory.state(held)?;
+        if time != held {
+            let beyond = time - held;
+            state.center_rest += state.velocity * beyond;
+            state.camera_from_world = RotationVector::new(state.angular_velocity * beyond)
+                .rotation()
+                * state.camera_from_world;
+        }
+        Ok(state)
+    }
+
+    /// The first and the last time at which a point is looked for: one of the first or the last line may be found just beyond it.
+    fn searched(&self) -> [f64; 2] {
+        let ([first, last], slack) = (self.timing.interval(), LINES_BEYOND * self.timing.unit());
+        [first - slack, last + slack]
+    }
+
     /// Where the camera sees a world point at a time.
     fn sight(&self, world: &Point3<f64>, time: f64) -> Result<Sight, ProjectionError> {
-        let state = self.trajectory.state(time)?;
+        let state = self.state(time)?;
         let in_camera = state.in_camera(world);
         let (point, by_direction) = self.camera.project_direction_jacobian(&in_camera)?;
         let by_time = by_direction * state.drift(&in_camera);
@@ -274,19 +298,11 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
         if !world.iter().all(|c| c.is_finite()) {
             return Err(ProjectionError::NotFinite);
         }
-        // A point of the first or last line may be found just beyond it.
-        let [first, last] = self.timing.interval();
-        let slack = LINES_BEYOND * self.timing.unit();
-        let (time, sight) =
-            search::find([first - slack, last + slack], self.timing.unit(), |time| {
-                let sight = self.sight(world, time)?;
-                let miss = self.miss(&sight, time);
-                if miss.value.is_finite() {
-                    Ok((miss, sight))
-                } else {
-                    Err(ProjectionError::NotFinite)
-                }
-            })?;
+        let (time, sight) = search::find(self.searched(), self.timing.unit(), |time| {
+            let sight = self.sight(world, time)?;
+            let miss = self.miss(&sight, time);
+            if miss.value.is_finite() { Ok((miss, sight)) } else { Err(ProjectionError::NotFinite) }
+        })?;
         let image = match self.detector {
             Detector::Line { .. } => {
                 Point2::new(sight.point.x, self.timing.line(time, sight.point.x))
@@ -345,11 +361,12 @@ impl<C: CentralModel, T: Trajectory> SensorModel for Scanner<C, T> {
     fn locus(&self, image: &Point2<f64>) -> Result<Locus, ProjectionError> {
         collinearity::finite(*image)?;
         let time = self.timing.at(image);
-        let [first, last] = self.timing.interval();
-        if !(time >= first && time <= last) {
+        let [from, to] = self.searched();
+        if !(time >= from && time <= to) {
+            let [first, last] = self.timing.interval();
             return Err(ProjectionError::OutsideScan { time, first, last });
         }
-        let state = self.trajectory.state(time)?;
+        let state = self.state(time)?;
         let direction = self.camera.direction(&self.exposed(image))?;
         Ray::new(state.center, state.camera_from_world.inverse() * direction)
             .map(Locus::Ray)
