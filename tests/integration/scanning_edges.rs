@@ -103,6 +103,34 @@ fn a_table_that_ends_with_the_scan_sees_its_first_and_its_last_line() {
     assert!(scanner.locus(&Point2::new(1.0, 3.0)).is_ok());
 }
 
+/// A camera that turns by a radian a line: where the image runs off the picture a short step of time is no proof of a root. What
+/// is given is the pixel whose ray meets the point.
+#[test]
+fn an_image_that_runs_away_is_not_taken_for_a_root() {
+    let flight = PolynomialTrajectory::constant_velocity(
+        down(Point3::new(0.0, 0.0, 500.0)),
+        0.0,
+        Vector3::y(),
+        Vector3::new(1.0, 0.0, 1.0),
+    )
+    .unwrap();
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 100.0]).unwrap();
+    let columns = ScanTime::by_column(0.0, 1.0, [0.0, 1000.0]).unwrap();
+    let film = interior(1000.0, 500.0, 50.0);
+    let none = ImageMotionCompensation::default();
+    let rolling = Scanner::frame_scan(film, flight.clone(), lines).unwrap();
+    let panoramic = Scanner::panoramic(film, none, flight, columns).unwrap();
+    let far = Point3::new(-1e300, 0.0, 0.0);
+    let beside_the_axis = Point3::new(0.0, 1e9, 0.0);
+    for (sensor, world) in [(&rolling as &dyn SensorModel, far), (&panoramic, beside_the_axis)] {
+        let Ok(p) = sensor.project(&world) else { continue };
+        let collinear::geometry::Locus::Ray(ray) = sensor.locus(&p).unwrap() else { panic!() };
+        let way = world - ray.origin;
+        let along = (way / way.amax()).normalize().dot(&ray.direction);
+        assert!(along > 1.0 - 1e-9, "{world} {p} {along}");
+    }
+}
+
 /// Seen from a platform that hangs still every line is one: no line is that of a point beside it, and none of one below it can
 /// be told from the others.
 #[test]

@@ -284,13 +284,14 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
 
     /// How far the point is from being exposed at a time.
     fn miss(&self, sight: &Sight, time: f64) -> Miss {
-        match self.detector {
-            Detector::Line { row } => Miss { value: sight.point.y - row, slope: sight.by_time.y },
-            Detector::Frame => Miss {
-                value: self.timing.lag(time, &sight.point),
-                slope: 1.0 - self.timing.per_pixel().dot(&sight.by_time),
-            },
-        }
+        let (value, slope) = match self.detector {
+            Detector::Line { row } => (sight.point.y - row, sight.by_time.y),
+            Detector::Frame => (
+                self.timing.lag(time, &sight.point),
+                1.0 - self.timing.per_pixel().dot(&sight.by_time),
+            ),
+        };
+        Miss { value, slope, speed: sight.by_time.norm() }
     }
 
     /// The image, and how the camera sees the point at the moment of its exposure.

@@ -11,6 +11,10 @@ const SURE: f64 = 1e-10;
 /// What a search that has come to the last digits must have reached, in lines.
 const NANOLINE: f64 = 1e-9;
 
+/// By no more may a Newton step move the image, in pixels. A step is small too where the point passes the edge of the camera's
+/// half-space, and its image lies far off.
+const MICROPIXEL: f64 = 1e-6;
+
 /// Halvings of a piece in search of the turn of the function: to some 10⁻⁶ of it.
 const MOST_HALVINGS: u32 = 20;
 
@@ -24,6 +28,8 @@ pub(super) struct Miss {
     pub(super) value: f64,
     /// Its derivative.
     pub(super) slope: f64,
+    /// How fast the image moves through the camera: pixels for each unit of time.
+    pub(super) speed: f64,
 }
 
 impl Miss {
@@ -161,7 +167,8 @@ fn refine<T>(
         let middle = 0.5 * (a + b);
         // At the last digits steps no longer shrink, and no float is left between neighbours.
         let at_the_end = lines > 0.5 * last || !(middle > a && middle < b);
-        if lines <= SURE || lines <= NANOLINE && at_the_end {
+        let near = lines <= SURE || lines <= NANOLINE && at_the_end;
+        if near && (step * found.speed).abs() <= MICROPIXEL {
             return Outcome::Found((t, rest));
         }
         if !(middle > a && middle < b) {
