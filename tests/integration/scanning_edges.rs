@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use collinear::camera::{
-    Adjustable, CentralCamera, CentralModel, Ephemeris, ExteriorOrientation,
+    Adjustable, Brown, BrownCamera, CentralCamera, CentralModel, Ephemeris, ExteriorOrientation,
     ImageMotionCompensation, InteriorOrientation, Interpolation, NoDistortion, Panorama,
     PlatformState, PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
 };
@@ -128,6 +128,34 @@ fn an_image_that_runs_away_is_not_taken_for_a_root() {
         let way = world - ray.origin;
         let along = (way / way.amax()).normalize().dot(&ray.direction);
         assert!(along > 1.0 - 1e-9, "{world} {p} {along}");
+    }
+}
+
+/// A line camera close above a long road, its lens with a fold: the point is in the lens for a hundredth or a thousandth of the
+/// scan, and found.
+#[test]
+fn a_point_that_is_before_the_lens_for_a_moment_is_found() {
+    let lens = Brown::new([-0.15, 0.0, 0.0], [0.0; 2]).unwrap();
+    let camera = BrownCamera::new(interior(4000.0, 4000.0, 0.5), lens);
+    let start = down(Point3::new(0.0, 0.0, 5.0));
+    let ground = Plane::from_point_and_normal(Point3::origin(), Vector3::z()).unwrap();
+    for length in [100.0, 1_000.0, 4_000.0] {
+        let velocity = Vector3::new(0.0, 1e-3, 0.0);
+        let flight =
+            PolynomialTrajectory::constant_velocity(start, 0.0, velocity, Vector3::zeros());
+        let lines = ScanTime::by_line(0.0, 1.0, [0.0, 1e3 * length]).unwrap();
+        let scanner = Scanner::line_scan(camera, flight.unwrap(), 0.5, lines).unwrap();
+        for k in 0..=300 {
+            let k = f64::from(k);
+            let image = Point2::new(500.0 + 7000.0 * (0.618 * k).fract(), 1e3 * length * k / 300.0);
+            let world = scanner.ground(&image, &ground).unwrap();
+            let again = scanner.project(&world).unwrap();
+            // The lines number millions, and a metre of the road is a thousand of them.
+            assert!((again - image).norm() < 1e-7, "{length} {image} {again}");
+        }
+        // Beside the road, in front of the lens never.
+        let beside = scanner.project(&Point3::new(40.0, 0.5 * length, 0.0));
+        assert!(matches!(beside, Err(ProjectionError::OutsideDomain { .. })), "{beside:?}");
     }
 }
 

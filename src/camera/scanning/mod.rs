@@ -299,7 +299,13 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
         if !world.iter().all(|c| c.is_finite()) {
             return Err(ProjectionError::NotFinite);
         }
-        let (time, sight) = search::find(self.searched(), self.timing.unit(), |time| {
+        let ahead = |time| {
+            self.state(time).map_or(f64::NEG_INFINITY, |state| {
+                let in_camera = state.in_camera(world);
+                in_camera.z / in_camera.norm()
+            })
+        };
+        let (time, sight) = search::find(self.searched(), self.timing.unit(), ahead, |time| {
             let sight = self.sight(world, time)?;
             let miss = self.miss(&sight, time);
             if miss.value.is_finite() { Ok((miss, sight)) } else { Err(ProjectionError::NotFinite) }
