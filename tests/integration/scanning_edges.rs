@@ -38,7 +38,7 @@ fn what_a_scan_does_not_see_says_when_it_would_be_seen() {
     let scanner = pushbroom();
     let outside = |y: f64| match scanner.project(&Point3::new(1.0, y, 3.0)) {
         Err(ProjectionError::OutsideScan { time, first, last }) => {
-            assert!(first.abs() < 1e-6 && (last - 50.0).abs() < 1e-6);
+            assert_eq!((first, last), (0.0, 50.0));
             time
         }
         other => panic!("{other:?}"),
@@ -65,6 +65,30 @@ fn what_a_scan_does_not_see_says_when_it_would_be_seen() {
     }
     let message = scanner.locus(&Point2::new(5.0, -2.5)).unwrap_err().to_string();
     assert_eq!(message, "outside the scan: time -2.5 is not between 0 and 50");
+}
+
+/// A platform that turns back: what it never reaches is not said to be seen at a time of the scan.
+#[test]
+fn a_time_outside_the_scan_is_outside_the_scan() {
+    let position = vec![Vector3::zeros(), Vector3::y(), Vector3::new(0.0, -0.01, 0.0)];
+    let start = down(Point3::new(0.0, 0.0, 100.0));
+    let flight = PolynomialTrajectory::new(start, 0.0, 1.0, position, vec![]).unwrap();
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 100.0]).unwrap();
+    let scanner = Scanner::line_scan(interior(1000.0, 100.0, 0.5), flight, 0.5, lines).unwrap();
+    // At t = 50 it is at y = 25, and at either end at 0.
+    assert!(scanner.project(&Point3::new(1.0, 24.9, 0.0)).is_ok());
+    for y in [25.1, 30.0, 70.0] {
+        match scanner.project(&Point3::new(1.0, y, 0.0)) {
+            Err(ProjectionError::OutsideScan { time, .. }) => assert!(time.is_nan(), "{time}"),
+            other => panic!("{other:?}"),
+        }
+    }
+    match scanner.project(&Point3::new(1.0, -1.0, 0.0)) {
+        Err(ProjectionError::OutsideScan { time, .. }) => {
+            assert!(!(0.0..=100.0).contains(&time), "{time}");
+        }
+        other => panic!("{other:?}"),
+    }
 }
 
 /// A table that ends with the scan, its nodes closer than lines: the first and the last line are seen like any other, and what

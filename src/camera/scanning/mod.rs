@@ -52,9 +52,13 @@ use search::Miss;
 /// # Ground to image
 /// The time solves one equation: for a line of detectors y_camera(t) = row, else t = start + q(t) · per_pixel. It is
 /// bracketed and solved by Newton's steps with the derivative of the trajectory, to 10⁻¹⁰ lines, or to 10⁻⁹ where the
-/// digits end before. A point that is seen more than once, as when the platform pitches back, gets one of its images, always the same. A point that no time of
-/// the scan sees is [`ProjectionError::OutsideScan`], with the time that the nearer end's slope leads to; an equation that
-/// does not come to 10⁻⁹ lines is [`ProjectionError::NotConverged`], with its residual in lines.
+/// digits end before, and so that the last step moves the camera's point by no more than 10⁻⁶ pixels. A point that is seen more
+/// than once, as when the platform pitches back, gets one of its images, always the same. A point that no time of the scan
+/// sees is [`ProjectionError::OutsideScan`], with the time that the nearer end's slope leads to, NaN where that is within; an
+/// equation that does not come so far is [`ProjectionError::NotConverged`], with its residual in lines.
+///
+/// Where the ends of the scan do not enclose the moment it is looked for in 64 pieces. Missed is a point with an even number of images, all
+/// in one piece within which the platform turns back more than once.
 ///
 /// # Parameters
 /// The groups of the trajectory, then those of the camera. Their partial derivatives include that the moment moves:
@@ -305,10 +309,17 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
                 in_camera.z / in_camera.norm()
             })
         };
-        let (time, sight) = search::find(self.searched(), self.timing.unit(), ahead, |time| {
+        let found = search::find(self.searched(), self.timing.unit(), ahead, |time| {
             let sight = self.sight(world, time)?;
             let miss = self.miss(&sight, time);
             if miss.value.is_finite() { Ok((miss, sight)) } else { Err(ProjectionError::NotFinite) }
+        });
+        let (time, sight) = found.map_err(|error| match error {
+            ProjectionError::OutsideScan { time, .. } => {
+                let [first, last] = self.timing.interval();
+                ProjectionError::OutsideScan { time, first, last }
+            }
+            other => other,
         })?;
         let image = match self.detector {
             Detector::Line { .. } => {

@@ -96,7 +96,11 @@ pub(super) fn find<T>(
         (Some(stuck), _) if nearest >= first && nearest <= last => stuck,
         // Never before the camera, or never in its lens: the reason of an end.
         (None, Some(reason)) if !seen => reason,
-        _ => ProjectionError::OutsideScan { time: nearest, first, last },
+        _ => {
+            let outside = nearest < first || nearest > last;
+            let time = if outside { nearest } else { f64::NAN };
+            ProjectionError::OutsideScan { time, first, last }
+        }
     })
 }
 
