@@ -45,7 +45,8 @@ pub enum ProjectionError {
         Brief(*last)
     )]
     OutsideScan {
-        /// The time, in the trajectory's unit: for a point that of the nearest end's Newton step, NaN where it has none.
+        /// The time, in the trajectory's unit: for a point that of the nearest end's Newton step, NaN where that leads nowhere or into
+        /// the scan.
         time: f64,
         /// First time of the scan or of the trajectory.
         first: f64,

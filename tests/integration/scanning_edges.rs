@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use collinear::camera::{
-    Adjustable, CentralCamera, CentralModel, Ephemeris, ExteriorOrientation,
+    Adjustable, Brown, BrownCamera, CentralCamera, CentralModel, Ephemeris, ExteriorOrientation,
     ImageMotionCompensation, InteriorOrientation, Interpolation, NoDistortion, Panorama,
     PlatformState, PolynomialTrajectory, ScanTime, Scanner, SensorModel, Trajectory,
 };
+use collinear::geometry::Plane;
 use collinear::nalgebra::{Point2, Point3, Rotation3, Vector3};
 use collinear::{Error, ProjectionError};
 
@@ -37,7 +38,7 @@ fn what_a_scan_does_not_see_says_when_it_would_be_seen() {
     let scanner = pushbroom();
     let outside = |y: f64| match scanner.project(&Point3::new(1.0, y, 3.0)) {
         Err(ProjectionError::OutsideScan { time, first, last }) => {
-            assert!(first.abs() < 1e-6 && (last - 50.0).abs() < 1e-6);
+            assert_eq!((first, last), (0.0, 50.0));
             time
         }
         other => panic!("{other:?}"),
@@ -64,6 +65,122 @@ fn what_a_scan_does_not_see_says_when_it_would_be_seen() {
     }
     let message = scanner.locus(&Point2::new(5.0, -2.5)).unwrap_err().to_string();
     assert_eq!(message, "outside the scan: time -2.5 is not between 0 and 50");
+}
+
+/// A platform that turns back: what it never reaches is not said to be seen at a time of the scan.
+#[test]
+fn a_time_outside_the_scan_is_outside_the_scan() {
+    let position = vec![Vector3::zeros(), Vector3::y(), Vector3::new(0.0, -0.01, 0.0)];
+    let start = down(Point3::new(0.0, 0.0, 100.0));
+    let flight = PolynomialTrajectory::new(start, 0.0, 1.0, position, vec![]).unwrap();
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 100.0]).unwrap();
+    let scanner = Scanner::line_scan(interior(1000.0, 100.0, 0.5), flight, 0.5, lines).unwrap();
+    // At t = 50 it is at y = 25, and at either end at 0.
+    assert!(scanner.project(&Point3::new(1.0, 24.9, 0.0)).is_ok());
+    for y in [25.1, 30.0, 70.0] {
+        match scanner.project(&Point3::new(1.0, y, 0.0)) {
+            Err(ProjectionError::OutsideScan { time, .. }) => assert!(time.is_nan(), "{time}"),
+            other => panic!("{other:?}"),
+        }
+    }
+    match scanner.project(&Point3::new(1.0, -1.0, 0.0)) {
+        Err(ProjectionError::OutsideScan { time, .. }) => {
+            assert!(!(0.0..=100.0).contains(&time), "{time}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A table that ends with the scan, its nodes closer than lines: the first and the last line are seen like any other, and what
+/// `project` gives is a pixel that `locus` takes.
+#[test]
+fn a_table_that_ends_with_the_scan_sees_its_first_and_its_last_line() {
+    for nodes in [1, 20, 100] {
+        let times: Vec<f64> = (0..=50 * nodes).map(|k| f64::from(k) / f64::from(nodes)).collect();
+        let positions: Vec<_> = times.iter().map(|t| Point3::new(0.0, 0.3 * t, 100.0)).collect();
+        let turn = |t: &f64| Rotation3::from_axis_angle(&Vector3::x_axis(), 1e-4 * t);
+        let level = down(Point3::origin()).camera_from_world();
+        let attitudes: Vec<_> = times.iter().map(|t| turn(t) * level).collect();
+        let linear = Interpolation::Linear;
+        let table = Ephemeris::new((&times, &positions, linear), (&times, &attitudes, linear));
+        let lines = ScanTime::by_line(0.0, 1.0, [0.0, 50.0]).unwrap();
+        let camera = interior(1000.0, 100.0, 0.5);
+        let scanner = Scanner::line_scan(camera, table.unwrap(), 0.5, lines).unwrap();
+        let ground = Plane::from_point_and_normal(Point3::origin(), Vector3::z()).unwrap();
+        for k in 0..=500 {
+            let image = Point2::new(3.0, 0.1 * f64::from(k));
+            let world = scanner.ground(&image, &ground).unwrap();
+            let again = scanner.project(&world).unwrap();
+            assert!((again - image).norm() < 1e-9, "{nodes} {image} {again}");
+            assert!((scanner.ground(&again, &ground).unwrap() - world).norm() < 1e-9);
+        }
+    }
+    // 3 · 0.1 is a rounding above 0.3, where this table ends.
+    let (times, attitudes) = ([0.0, 0.3], [down(Point3::origin()).camera_from_world(); 2]);
+    let positions = [Point3::new(0.0, 0.0, 100.0), Point3::new(0.0, 3.0, 100.0)];
+    let linear = Interpolation::Linear;
+    let table = Ephemeris::new((&times, &positions, linear), (&times, &attitudes, linear)).unwrap();
+    let lines = ScanTime::by_line(0.0, 0.1, [0.0, 3.0]).unwrap();
+    assert!(lines.interval()[1] > 0.3);
+    let scanner = Scanner::line_scan(interior(1000.0, 100.0, 0.5), table, 0.5, lines).unwrap();
+    assert!((scanner.project(&Point3::new(0.0, 3.0, 0.0)).unwrap().y - 3.0).abs() < 1e-9);
+    assert!(scanner.locus(&Point2::new(1.0, 3.0)).is_ok());
+}
+
+/// A camera that turns by a radian a line: where the image runs off the picture a short step of time is no proof of a root. What
+/// is given is the pixel whose ray meets the point.
+#[test]
+fn an_image_that_runs_away_is_not_taken_for_a_root() {
+    let flight = PolynomialTrajectory::constant_velocity(
+        down(Point3::new(0.0, 0.0, 500.0)),
+        0.0,
+        Vector3::y(),
+        Vector3::new(1.0, 0.0, 1.0),
+    )
+    .unwrap();
+    let lines = ScanTime::by_line(0.0, 1.0, [0.0, 100.0]).unwrap();
+    let columns = ScanTime::by_column(0.0, 1.0, [0.0, 1000.0]).unwrap();
+    let film = interior(1000.0, 500.0, 50.0);
+    let none = ImageMotionCompensation::default();
+    let rolling = Scanner::frame_scan(film, flight.clone(), lines).unwrap();
+    let panoramic = Scanner::panoramic(film, none, flight, columns).unwrap();
+    let far = Point3::new(-1e300, 0.0, 0.0);
+    let beside_the_axis = Point3::new(0.0, 1e9, 0.0);
+    for (sensor, world) in [(&rolling as &dyn SensorModel, far), (&panoramic, beside_the_axis)] {
+        let Ok(p) = sensor.project(&world) else { continue };
+        let collinear::geometry::Locus::Ray(ray) = sensor.locus(&p).unwrap() else { panic!() };
+        let way = world - ray.origin;
+        let along = (way / way.amax()).normalize().dot(&ray.direction);
+        assert!(along > 1.0 - 1e-9, "{world} {p} {along}");
+    }
+}
+
+/// A line camera close above a long road, its lens with a fold: the point is in the lens for a hundredth or a thousandth of the
+/// scan, and found.
+#[test]
+fn a_point_that_is_before_the_lens_for_a_moment_is_found() {
+    let lens = Brown::new([-0.15, 0.0, 0.0], [0.0; 2]).unwrap();
+    let camera = BrownCamera::new(interior(4000.0, 4000.0, 0.5), lens);
+    let start = down(Point3::new(0.0, 0.0, 5.0));
+    let ground = Plane::from_point_and_normal(Point3::origin(), Vector3::z()).unwrap();
+    for length in [100.0, 1_000.0, 4_000.0] {
+        let velocity = Vector3::new(0.0, 1e-3, 0.0);
+        let flight =
+            PolynomialTrajectory::constant_velocity(start, 0.0, velocity, Vector3::zeros());
+        let lines = ScanTime::by_line(0.0, 1.0, [0.0, 1e3 * length]).unwrap();
+        let scanner = Scanner::line_scan(camera, flight.unwrap(), 0.5, lines).unwrap();
+        for k in 0..=300 {
+            let k = f64::from(k);
+            let image = Point2::new(500.0 + 7000.0 * (0.618 * k).fract(), 1e3 * length * k / 300.0);
+            let world = scanner.ground(&image, &ground).unwrap();
+            let again = scanner.project(&world).unwrap();
+            // The lines number millions, and a metre of the road is a thousand of them.
+            assert!((again - image).norm() < 1e-7, "{length} {image} {again}");
+        }
+        // Beside the road, in front of the lens never.
+        let beside = scanner.project(&Point3::new(40.0, 0.5 * length, 0.0));
+        assert!(matches!(beside, Err(ProjectionError::OutsideDomain { .. })), "{beside:?}");
+    }
 }
 
 /// Seen from a platform that hangs still every line is one: no line is that of a point beside it, and none of one below it can

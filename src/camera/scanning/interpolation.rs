@@ -7,9 +7,6 @@ use crate::error::{Error, ProjectionError};
 /// No window of Lagrange's polynomial has more nodes.
 pub(super) const MOST_NODES: usize = 12;
 
-/// A node may be missed by this share of the mean distance of nodes: rounding of the first and the last line.
-const SLACK: f64 = 1e-6;
-
 /// The times of a table, ascending, and how many of them a value is interpolated from.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Nodes {
@@ -74,8 +71,7 @@ impl Nodes {
     /// The interval of nodes that holds `time`: the number of its first node.
     fn interval(&self, time: f64) -> Result<usize, ProjectionError> {
         let [first, last] = self.span();
-        let slack = SLACK * mean_step(&self.times);
-        if !(time >= first - slack && time <= last + slack) {
+        if !(time >= first && time <= last) {
             return Err(ProjectionError::OutsideScan { time, first, last });
         }
         let after = self.times.partition_point(|t| *t <= time);

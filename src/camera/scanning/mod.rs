@@ -19,6 +19,7 @@ use super::{
     NoDistortion, Panorama, ParameterGroup, SensorModel, collinearity,
 };
 use crate::error::{Error, ProjectionError};
+use crate::geometry::rotation::RotationVector;
 use crate::geometry::{Locus, Ray};
 use search::Miss;
 
@@ -51,9 +52,13 @@ use search::Miss;
 /// # Ground to image
 /// The time solves one equation: for a line of detectors y_camera(t) = row, else t = start + q(t) · per_pixel. It is
 /// bracketed and solved by Newton's steps with the derivative of the trajectory, to 10⁻¹⁰ lines, or to 10⁻⁹ where the
-/// digits end before. A point that is seen more than once, as when the platform pitches back, gets one of its images, always the same. A point that no time of
-/// the scan sees is [`ProjectionError::OutsideScan`], with the time that the nearer end's slope leads to; an equation that
-/// does not come to 10⁻⁹ lines is [`ProjectionError::NotConverged`], with its residual in lines.
+/// digits end before, and so that the last step moves the camera's point by no more than 10⁻⁶ pixels. A point that is seen more
+/// than once, as when the platform pitches back, gets one of its images, always the same. A point that no time of the scan
+/// sees is [`ProjectionError::OutsideScan`], with the time that the nearer end's slope leads to, NaN where that is within; an
+/// equation that does not come so far is [`ProjectionError::NotConverged`], with its residual in lines.
+///
+/// Where the ends of the scan do not enclose the moment it is looked for in 64 pieces. Missed is a point with an even number of images, all
+/// in one piece within which the platform turns back more than once.
 ///
 /// # Parameters
 /// The groups of the trajectory, then those of the camera. Their partial derivatives include that the moment moves:
@@ -205,8 +210,10 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
 
     fn of(camera: C, trajectory: T, detector: Detector, timing: ScanTime) -> Result<Self, Error> {
         let ([first, last], [from, to]) = (timing.interval(), trajectory.span());
+        // A table that ends with the scan may end a rounding before it.
+        let slack = LINES_BEYOND * timing.unit();
         for time in [first, last] {
-            if !(time >= from && time <= to) {
+            if !(time >= from - slack && time <= to + slack) {
                 let expected = "a time of the trajectory";
                 return Err(Error::OutOfRange { what: "time of the scan", value: time, expected });
             }
@@ -249,9 +256,30 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
         }
     }
 
+    /// Where the platform is. What rounding takes a time beyond the trajectory's span, the platform moves on.
+    fn state(&self, time: f64) -> Result<PlatformState, ProjectionError> {
+        let [from, to] = self.trajectory.span();
+        let held = time.max(from).min(to);
+        let mut state = self.trajectory.state(held)?;
+        if time != held {
+            let beyond = time - held;
+            state.center_rest += state.velocity * beyond;
+            state.camera_from_world = RotationVector::new(state.angular_velocity * beyond)
+                .rotation()
+                * state.camera_from_world;
+        }
+        Ok(state)
+    }
+
+    /// The first and the last time at which a point is looked for: one of the first or the last line may be found just beyond it.
+    fn searched(&self) -> [f64; 2] {
+        let ([first, last], slack) = (self.timing.interval(), LINES_BEYOND * self.timing.unit());
+        [first - slack, last + slack]
+    }
+
     /// Where the camera sees a world point at a time.
     fn sight(&self, world: &Point3<f64>, time: f64) -> Result<Sight, ProjectionError> {
-        let state = self.trajectory.state(time)?;
+        let state = self.state(time)?;
         let in_camera = state.in_camera(world);
         let (point, by_direction) = self.camera.project_direction_jacobian(&in_camera)?;
         let by_time = by_direction * state.drift(&in_camera);
@@ -260,13 +288,14 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
 
     /// How far the point is from being exposed at a time.
     fn miss(&self, sight: &Sight, time: f64) -> Miss {
-        match self.detector {
-            Detector::Line { row } => Miss { value: sight.point.y - row, slope: sight.by_time.y },
-            Detector::Frame => Miss {
-                value: self.timing.lag(time, &sight.point),
-                slope: 1.0 - self.timing.per_pixel().dot(&sight.by_time),
-            },
-        }
+        let (value, slope) = match self.detector {
+            Detector::Line { row } => (sight.point.y - row, sight.by_time.y),
+            Detector::Frame => (
+                self.timing.lag(time, &sight.point),
+                1.0 - self.timing.per_pixel().dot(&sight.by_time),
+            ),
+        };
+        Miss { value, slope, speed: sight.by_time.norm() }
     }
 
     /// The image, and how the camera sees the point at the moment of its exposure.
@@ -274,19 +303,24 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
         if !world.iter().all(|c| c.is_finite()) {
             return Err(ProjectionError::NotFinite);
         }
-        // A point of the first or last line may be found just beyond it.
-        let [first, last] = self.timing.interval();
-        let slack = LINES_BEYOND * self.timing.unit();
-        let (time, sight) =
-            search::find([first - slack, last + slack], self.timing.unit(), |time| {
-                let sight = self.sight(world, time)?;
-                let miss = self.miss(&sight, time);
-                if miss.value.is_finite() {
-                    Ok((miss, sight))
-                } else {
-                    Err(ProjectionError::NotFinite)
-                }
-            })?;
+        let ahead = |time| {
+            self.state(time).map_or(f64::NEG_INFINITY, |state| {
+                let in_camera = state.in_camera(world);
+                in_camera.z / in_camera.norm()
+            })
+        };
+        let found = search::find(self.searched(), self.timing.unit(), ahead, |time| {
+            let sight = self.sight(world, time)?;
+            let miss = self.miss(&sight, time);
+            if miss.value.is_finite() { Ok((miss, sight)) } else { Err(ProjectionError::NotFinite) }
+        });
+        let (time, sight) = found.map_err(|error| match error {
+            ProjectionError::OutsideScan { time, .. } => {
+                let [first, last] = self.timing.interval();
+                ProjectionError::OutsideScan { time, first, last }
+            }
+            other => other,
+        })?;
         let image = match self.detector {
             Detector::Line { .. } => {
                 Point2::new(sight.point.x, self.timing.line(time, sight.point.x))
@@ -345,11 +379,12 @@ impl<C: CentralModel, T: Trajectory> SensorModel for Scanner<C, T> {
     fn locus(&self, image: &Point2<f64>) -> Result<Locus, ProjectionError> {
         collinearity::finite(*image)?;
         let time = self.timing.at(image);
-        let [first, last] = self.timing.interval();
-        if !(time >= first && time <= last) {
+        let [from, to] = self.searched();
+        if !(time >= from && time <= to) {
+            let [first, last] = self.timing.interval();
             return Err(ProjectionError::OutsideScan { time, first, last });
         }
-        let state = self.trajectory.state(time)?;
+        let state = self.state(time)?;
         let direction = self.camera.direction(&self.exposed(image))?;
         Ray::new(state.center, state.camera_from_world.inverse() * direction)
             .map(Locus::Ray)

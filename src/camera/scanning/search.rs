@@ -11,8 +11,15 @@ const SURE: f64 = 1e-10;
 /// What a search that has come to the last digits must have reached, in lines.
 const NANOLINE: f64 = 1e-9;
 
+/// By no more may a Newton step move the image, in pixels. A step is small too where the point passes the edge of the camera's
+/// half-space, and its image lies far off.
+const MICROPIXEL: f64 = 1e-6;
+
 /// Halvings of a piece in search of the turn of the function: to some 10⁻⁶ of it.
 const MOST_HALVINGS: u32 = 20;
+
+/// Thirds taken off two pieces in search of the time at which the point is most ahead: to some 10⁻⁴ of them.
+const MOST_THIRDS: u32 = 24;
 
 /// Evaluations for one bracket: bisection alone reaches neighbouring floats in fewer.
 const MOST_STEPS: u32 = 200;
@@ -24,6 +31,8 @@ pub(super) struct Miss {
     pub(super) value: f64,
     /// Its derivative.
     pub(super) slope: f64,
+    /// How fast the image moves through the camera: pixels for each unit of time.
+    pub(super) speed: f64,
 }
 
 impl Miss {
@@ -37,10 +46,12 @@ impl Miss {
 /// in which the function turns beyond zero.
 ///
 /// A change of sign that is a jump, as at the seam of a panorama, is passed over; it is the error where the ends say that the
-/// root should be within. The root is exact to a nanoline: `unit` is the time of a line.
+/// root should be within. The root is exact to a nanoline: `unit` is the time of a line. A point that the camera has in its lens
+/// for less than a piece is looked for where `ahead`, the cosine of its angle from the camera's axis, is greatest.
 pub(super) fn find<T>(
     interval: [f64; 2],
     unit: f64,
+    ahead: impl Fn(f64) -> f64,
     mut miss: impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
 ) -> Result<(f64, T), ProjectionError> {
     let [first, last] = interval;
@@ -62,26 +73,34 @@ pub(super) fn find<T>(
         } else {
             miss(at(piece)).ok().map(|m| m.0)
         };
-        if let (Some(a), Some(b)) = (before, after)
-            && let Some((times, ends)) = enclosed([at(piece - 1), at(piece)], [a, b], &mut miss)
-        {
-            match refine(times, ends, unit, &mut miss) {
-                Outcome::Found(found) => return Ok(found),
-                Outcome::Stuck { iterations, residual } => {
-                    stuck = stuck.or(Some(ProjectionError::NotConverged { iterations, residual }));
-                }
-                Outcome::None => {}
+        match within([at(piece - 1), at(piece)], [before, after], unit, &mut miss) {
+            Outcome::Found(found) => return Ok(found),
+            Outcome::Stuck { iterations, residual } => {
+                stuck = stuck.or(Some(ProjectionError::NotConverged { iterations, residual }));
             }
+            Outcome::None => {}
         }
         seen |= after.is_some();
         before = after;
+    }
+    if !seen && let Some(([a, b], t)) = foremost(interval, &ahead) {
+        let before_it = miss(t).ok().map(|m| m.0);
+        for (times, ends) in [([a, t], [None, before_it]), ([t, b], [before_it, None])] {
+            if let Outcome::Found(found) = within(times, ends, unit, &mut miss) {
+                return Ok(found);
+            }
+        }
     }
     Err(match (stuck, reason) {
         // A seam far from the point is none of its business.
         (Some(stuck), _) if nearest >= first && nearest <= last => stuck,
         // Never before the camera, or never in its lens: the reason of an end.
         (None, Some(reason)) if !seen => reason,
-        _ => ProjectionError::OutsideScan { time: nearest, first, last },
+        _ => {
+            let outside = nearest < first || nearest > last;
+            let time = if outside { nearest } else { f64::NAN };
+            ProjectionError::OutsideScan { time, first, last }
+        }
     })
 }
 
@@ -93,6 +112,59 @@ fn nearest_end<T>([first, last]: [f64; 2], ends: [&Result<(Miss, T), ProjectionE
     let candidates = [from(first, ends[0]), from(last, ends[1])];
     let best = candidates.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
     best.map_or(f64::NAN, |(_, t)| t)
+}
+
+/// The time at which `ahead` is greatest, and the ends of the two pieces around it; none where the point is never ahead.
+fn foremost([first, last]: [f64; 2], ahead: &impl Fn(f64) -> f64) -> Option<([f64; 2], f64)> {
+    let at = |k: u32| first + (last - first) * (f64::from(k) / f64::from(PIECES));
+    let (k, most) = (0..=PIECES).map(|k| (k, ahead(at(k)))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if !(most > 0.0) {
+        return None;
+    }
+    let ends = [at(k.saturating_sub(1)), at((k + 1).min(PIECES))];
+    let [mut a, mut b] = ends;
+    for _ in 0..MOST_THIRDS {
+        let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        *(if ahead(c) < ahead(d) { &mut a } else { &mut b }) =
+            if ahead(c) < ahead(d) { c } else { d };
+    }
+    Some((ends, 0.5 * (a + b)))
+}
+
+/// The root within a piece, where its ends are enough to tell.
+fn within<T>(
+    times: [f64; 2],
+    ends: [Option<Miss>; 2],
+    unit: f64,
+    miss: &mut impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
+) -> Outcome<T> {
+    let bracket = match ends {
+        [Some(a), Some(b)] => enclosed(times, [a, b], miss),
+        [Some(a), None] => beside(times, a, miss),
+        [None, Some(b)] => beside([times[1], times[0]], b, miss)
+            .map(|(times, ends)| ([times[1], times[0]], [ends[1], ends[0]])),
+        [None, None] => None,
+    };
+    bracket.map_or(Outcome::None, |(times, ends)| refine(times, ends, unit, miss))
+}
+
+/// Of a piece from whose first end alone the point is seen, a part whose ends have different signs.
+fn beside<T>(
+    [mut seen, mut unseen]: [f64; 2],
+    mut at_seen: Miss,
+    miss: &mut impl FnMut(f64) -> Result<(Miss, T), ProjectionError>,
+) -> Option<([f64; 2], [Miss; 2])> {
+    for _ in 0..MOST_HALVINGS {
+        let middle = 0.5 * (seen + unseen);
+        match miss(middle) {
+            Ok((found, _)) if found.value.signum() != at_seen.value.signum() => {
+                return Some(([seen, middle], [at_seen, found]));
+            }
+            Ok((found, _)) => (seen, at_seen) = (middle, found),
+            Err(_) => unseen = middle,
+        }
+    }
+    None
 }
 
 /// A part of the piece whose ends have different signs: the piece itself, or where the function turns within it and reaches
@@ -161,7 +233,8 @@ fn refine<T>(
         let middle = 0.5 * (a + b);
         // At the last digits steps no longer shrink, and no float is left between neighbours.
         let at_the_end = lines > 0.5 * last || !(middle > a && middle < b);
-        if lines <= SURE || lines <= NANOLINE && at_the_end {
+        let near = lines <= SURE || lines <= NANOLINE && at_the_end;
+        if near && (step * found.speed).abs() <= MICROPIXEL {
             return Outcome::Found((t, rest));
         }
         if !(middle > a && middle < b) {
