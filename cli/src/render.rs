@@ -79,7 +79,8 @@ impl fmt::Display for Remark {
 ///
 /// A polygon whose photograph's camera has no lens errors is drawn through
 /// [`FractionalLinear`](collinear::mapping::FractionalLinear) alone, one with Brown's lens through
-/// [`PhotographMap`](collinear::mapping::PhotographMap), any other point by point through its central model. What lies
+/// [`PhotographMap`](collinear::mapping::PhotographMap), any other through
+/// [`CentralPhotographMap`](collinear::mapping::CentralPhotographMap). What lies
 /// outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
 /// [reported](Report::refused).
 ///

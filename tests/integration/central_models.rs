@@ -582,6 +582,21 @@ fn projections_end_where_their_equations_say() {
 }
 
 #[test]
+fn steps_of_another_length_or_past_zero_leave_a_camera_as_it_was() {
+    let interior = InteriorOrientation::new([600.0; 2], Point2::new(500.0, 400.0), 0.0).unwrap();
+    let mut camera = BrownCamera::new(interior, Brown::new([-0.1, 0.0, 0.0], [0.0; 2]).unwrap());
+    let before = camera;
+    for (group, step) in [(0, &[0.0; 4][..]), (0, &[0.0; 6]), (1, &[0.0; 4]), (1, &[0.0; 6])] {
+        assert!(matches!(camera.adjust(group, step), Err(Error::LengthMismatch { .. })));
+    }
+    for step in [[-601.0, 0.0, 0.0, 0.0, 0.0], [0.0, -601.0, 0.0, 0.0, 0.0]] {
+        assert!(matches!(camera.adjust(0, &step), Err(Error::OutOfRange { .. })));
+    }
+    assert!(camera.adjust(2, &[]).is_err());
+    assert_eq!(camera, before);
+}
+
+#[test]
 fn coefficients_whose_products_leave_the_numbers_are_named() {
     let refused = Brown::new([0.0, 0.0, 1e31], [0.0; 2]);
     let what = "distortion coefficient";

@@ -157,6 +157,7 @@ macro_rules! planar_distortion {
                 super::many::undistort_many(&self.0, points)
             }
 
+            #[inline]
             fn parameter_partials(
                 &self,
                 ideal: &nalgebra::Point2<f64>,

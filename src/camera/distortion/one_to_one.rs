@@ -96,21 +96,21 @@ pub(super) fn invert(
         let mut fraction = 1.0;
         let (next, next_miss, next_residual) = loop {
             let candidate = point - step * fraction;
-            if length(&candidate.coords) < fold {
+            if candidate.coords.norm_squared() < fold * fold {
                 let miss = lens.value(&candidate).coords - target;
                 let r = length(&miss);
                 if r < residual {
                     break (candidate, miss, r);
                 }
             }
+            // A few roundings from zero a full step that comes no nearer has said enough, and this is the answer.
+            if residual <= 4.0 * floor {
+                return Ok(Undistorted { point, iterations, residual });
+            }
             fraction *= 0.5;
             if fraction < 1e-12 {
-                // No nearer point: at the floor this is the answer, elsewhere the fold is in the way.
-                return if residual <= 4.0 * floor {
-                    Ok(Undistorted { point, iterations, residual })
-                } else {
-                    Err(no_preimage(lens, &point, radius, iterations, residual))
-                };
+                // No nearer point: the fold is in the way.
+                return Err(no_preimage(lens, &point, radius, iterations, residual));
             }
         };
         (point, miss, residual) = (next, next_miss, next_residual);
@@ -130,10 +130,10 @@ fn start(
     let fold = lens.fold_radius();
     if !lens.is_radial() && radius < 0.5 * fold && radius < 1.0 {
         let [value, slope] = lens.radial(radius);
-        // Far from the fold a mild lens leaves the point near enough to itself; where the steps in the plane are needed
-        // in any case, two more cost less than the search along the radius.
+        // Far from the fold a mild lens leaves the point near enough to itself that one step along the radius does; where the
+        // steps in the plane are needed in any case, one more costs less than the search along the radius.
         if (value - radius).abs() < 0.3 * radius && slope > 0.3 {
-            return Ok(*distorted);
+            return Ok(*distorted * (1.0 - (value - radius) / (slope * radius)));
         }
     }
     if radius >= fold {

@@ -359,6 +359,7 @@ impl<const N: usize, const D: usize, const T: u8, const S: u8> OneToOne for Plan
         Matrix2::new(a, b, c, d)
     }
 
+    #[inline]
     fn fold_radius(&self) -> f64 {
         self.fold_radius
     }
@@ -390,6 +391,7 @@ impl<const N: usize, const D: usize, const T: u8, const S: u8> OneToOne for Plan
     }
 
     /// In the order k, d, p, q, s.
+    #[inline]
     fn columns(&self, point: &Point2<f64>, out: &mut [Vector2<f64>]) {
         let (x, y) = (point.x, point.y);
         let (here, r2) = (point.coords, x * x + y * y);
