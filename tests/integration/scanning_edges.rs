@@ -183,6 +183,37 @@ fn a_point_that_is_before_the_lens_for_a_moment_is_found() {
     }
 }
 
+/// A rolling shutter that spins by many radians a line: a pixel that is given is that of a ray through the point.
+#[test]
+fn a_frame_that_spins_between_its_lines_gives_rays_through_the_point_or_none() {
+    let mut found = Vec::new();
+    for spin in [1.0, 10.0, 100.0, 1000.0] {
+        let start = down(Point3::new(0.0, 0.0, 500.0));
+        let turn = Vector3::new(0.6, 0.0, 0.8) * spin;
+        let flight =
+            PolynomialTrajectory::constant_velocity(start, 0.0, Vector3::y(), turn).unwrap();
+        let lines = ScanTime::by_line(0.0, 1.0, [0.0, 100.0]).unwrap();
+        let scanner = Scanner::frame_scan(interior(1000.0, 500.0, 50.0), flight, lines).unwrap();
+        let ray = |p: &Point2<f64>| match scanner.locus(p).unwrap() {
+            collinear::geometry::Locus::Ray(ray) => ray,
+            other => panic!("{other:?}"),
+        };
+        let mut seen = 0;
+        for k in 0..200 {
+            let k = f64::from(k);
+            let image = Point2::new(1000.0 * (0.618 * k).fract(), 0.5 * k + 0.1);
+            let world = ray(&image).at(300.0 + k);
+            let Ok(again) = scanner.project(&world) else { continue };
+            let ray = ray(&again);
+            let off = (world - ray.origin).normalize().cross(&ray.direction).norm();
+            assert!(off < 1e-8, "{spin} {image} {again} {off:e}");
+            seen += 1;
+        }
+        found.push(seen);
+    }
+    assert!(found[0] > 150, "{found:?}");
+}
+
 /// Seen from a platform that hangs still every line is one: no line is that of a point beside it, and none of one below it can
 /// be told from the others.
 #[test]

@@ -288,14 +288,18 @@ impl<C: CentralModel, T: Trajectory> Scanner<C, T> {
 
     /// How far the point is from being exposed at a time.
     fn miss(&self, sight: &Sight, time: f64) -> Miss {
-        let (value, slope) = match self.detector {
-            Detector::Line { row } => (sight.point.y - row, sight.by_time.y),
-            Detector::Frame => (
-                self.timing.lag(time, &sight.point),
-                1.0 - self.timing.per_pixel().dot(&sight.by_time),
-            ),
-        };
-        Miss { value, slope, speed: sight.by_time.norm() }
+        let speed = sight.by_time.norm();
+        match self.detector {
+            Detector::Line { row } => {
+                Miss { value: sight.point.y - row, slope: sight.by_time.y, speed }
+            }
+            Detector::Frame => {
+                let slope = 1.0 - self.timing.per_pixel().dot(&sight.by_time);
+                // The image's own time is off by the value, which is slope times step.
+                let speed = speed * slope.abs().max(1.0);
+                Miss { value: self.timing.lag(time, &sight.point), slope, speed }
+            }
+        }
     }
 
     /// The image, and how the camera sees the point at the moment of its exposure.

@@ -31,7 +31,8 @@ pub(super) struct Miss {
     pub(super) value: f64,
     /// Its derivative.
     pub(super) slope: f64,
-    /// How fast the image moves through the camera: pixels for each unit of time.
+    /// How fast the image moves through the camera, or where the image states the time the ray of that time: pixels for each unit of
+    /// Newton's step.
     pub(super) speed: f64,
 }
 
