@@ -171,6 +171,7 @@ fn check_model<P: CentralProjection, D: Distortion>(projection: P, distortion: D
         let plane = Point2::new(radius * around.cos(), radius * around.sin());
         let image = camera.interior().pixel_from_normalised(&plane);
         if let Ok(direction) = camera.direction(&image) {
+            assert!((direction.norm() - 1.0).abs() < 1e-14, "{camera:?} {plane}: {direction}");
             // Within rounding of straight back a direction may not tell itself apart from it.
             let again = camera.project_direction(&direction).unwrap_or(image);
             let off = (again - image).norm();
@@ -412,6 +413,10 @@ fn projections_of_one_ray_by_hand() {
     let expected = 0.75f64.sqrt() / (0.6 * 0.84f64.sqrt() + 0.12);
     right(&|d| double.plane(d).unwrap(), expected);
 
+    // A full turn wide; half a turn high or with square pixels.
+    let size = |panorama: Panorama| panorama.principal_distance(TAU * 100.0, PI * 70.0);
+    assert_eq!(size(Panorama::Equirectangular), [100.0, 70.0]);
+    assert_eq!(size(Panorama::Cylindrical), [100.0, 100.0]);
     // Straight up, whatever the signs of the zeros.
     for zeros in [[0.0, 0.0], [-0.0, -0.0], [0.0, -0.0]] {
         let up = Panorama::Equirectangular.plane(&Vector3::new(zeros[0], -3.0, zeros[1])).unwrap();
@@ -552,6 +557,9 @@ fn two_stages_end_where_the_first_of_them_does() {
     assert!(second.distort(&Point2::new(0.0, 0.801)).is_err());
     let first = lens(-1.0 / 3.0, 1.0 / 6.0);
     assert!((first.fold_radius() - 1.0).abs() < 1e-14, "{}", first.fold_radius());
+    // A radial fold that lies behind the rim of the second stage: 1.2 (1 − 0.144) = 1.0272.
+    let rim = lens(-0.1, 1.0 / (6.0 * 1.0272));
+    assert!((rim.fold_radius() - 1.2).abs() < 1e-14, "{}", rim.fold_radius());
     // So weak that the numbers hold its fold and the search does not: it is cut off.
     assert_eq!(Brown::new([-1e-34, 0.0, 0.0], [0.0; 2]).unwrap().fold_radius(), 1e16);
 }
@@ -641,6 +649,12 @@ fn maps_as_seen<C: CentralModel + Clone>(
         seen += 1;
         assert!((at - expected).norm() < 1e-5, "{camera:?} {pixel}: {at} for {expected}");
         assert!((at - photograph.project(&world).unwrap()).norm() < 1e-5);
+        let back = map.outer.plane_point(&at).unwrap();
+        let plane_point = map.inner.at(&pixel).unwrap();
+        assert!(
+            (back - plane_point).norm() < 1e-6 * (1.0 + back.coords.norm()),
+            "{camera:?} {pixel}"
+        );
         if let Some(other) = &other {
             assert!((other.at(&pixel).unwrap() - at).norm() < 1e-5);
         }

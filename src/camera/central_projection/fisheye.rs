@@ -92,7 +92,6 @@ impl Radial for Fisheye {
                 return Ok([r, float::sqrt((1.0 - r) * (1.0 + r))]);
             }
         };
-        below(r, limit)?;
         if half >= FRAC_PI_2 {
             return Err(ProjectionError::OutsideDomain { value: r, limit });
         }
