@@ -38,12 +38,7 @@ pub enum ProjectionError {
         limit: f64,
     },
     /// A scan does not see the point, or has no pixel at the time.
-    #[error(
-        "outside the scan: time {} is not between {} and {}",
-        Brief(*time),
-        Brief(*first),
-        Brief(*last)
-    )]
+    #[error("outside the scan: {}", OutsideScan([*time, *first, *last]))]
     OutsideScan {
         /// The time, in the trajectory's unit: for a point that of the nearest end's Newton step, NaN where that leads nowhere or into
         /// the scan.
@@ -64,6 +59,20 @@ pub enum ProjectionError {
     /// A coordinate is NaN or infinite.
     #[error("a coordinate is NaN or infinite")]
     NotFinite,
+}
+
+/// The text of a scan's time and its ends.
+struct OutsideScan([f64; 3]);
+
+impl fmt::Display for OutsideScan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [time, first, last] = self.0.map(Brief);
+        if time.0.is_nan() {
+            write!(f, "no time between {first} and {last} is found at which the point is seen")
+        } else {
+            write!(f, "time {time} is not between {first} and {last}")
+        }
+    }
 }
 
 /// Why a constructor or an estimator refused its input, or could not finish.

@@ -6,7 +6,7 @@ use collinear::camera::SensorModel;
 
 use crate::camera::CameraFile;
 use crate::convert::Camera;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::json::{Document, kind_of, read_text};
 use crate::scanner::ScannerFile;
 
@@ -23,10 +23,15 @@ impl SensorFile {
     /// From text that says what it is.
     ///
     /// # Errors
-    /// As [`Document::parse`]; text of another kind is an error of a camera file.
+    /// As [`Document::parse`].
     pub fn parse(text: &str) -> Result<Self, Error> {
-        match kind_of(text)?.as_deref() {
-            Some(ScannerFile::KIND) => ScannerFile::parse(text).map(Box::new).map(Self::Scanner),
+        match kind_of(text)? {
+            Some(kind) if kind == ScannerFile::KIND => {
+                ScannerFile::parse(text).map(Box::new).map(Self::Scanner)
+            }
+            Some(found) if found != CameraFile::KIND => {
+                Err(ErrorKind::WrongKind { expected: "camera or scanner", found }.into())
+            }
             _ => CameraFile::parse(text).map(Self::Camera),
         }
     }

@@ -78,9 +78,12 @@ enum Format {
     Wgpu,
 }
 
+/// Writes a rational polynomial camera.
+type WriteRpc = fn(&RpcFile, &Path) -> Result<(), collinear_io::Error>;
+
 impl Format {
     /// What writes a rational polynomial camera, where this is a format of one.
-    fn rational(self) -> Option<fn(&RpcFile, &Path) -> Result<(), collinear_io::Error>> {
+    fn rational(self) -> Option<WriteRpc> {
         match self {
             Self::Rpc => Some(RpcFile::write),
             Self::Rpb => Some(RpcFile::write_rpb),

@@ -8,6 +8,7 @@ use super::interpolation::{MOST_NODES, Nodes};
 use super::{PlatformState, Trajectory, trajectory};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::rotation::{Quaternion, RotationVector};
+use crate::numeric::float;
 
 /// How a table is read between its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,8 +79,8 @@ impl Ephemeris {
     ///
     /// # Errors
     /// [`Error::LengthMismatch`], [`Error::TooFewPoints`] for fewer nodes than the interpolation needs or than two,
-    /// [`Error::NotFinite`], [`Error::OutOfRange`] for times that do not ascend, tables that share no time, and an interpolation through an odd
-    /// number of nodes or more than twelve, [`Error::Degenerate`] for neighbouring attitudes more than 2.6 rad apart.
+    /// [`Error::NotFinite`], [`Error::OutOfRange`] for times that do not ascend, tables that share no time, an interpolation through an odd
+    /// number of nodes or more than twelve, and neighbouring attitudes more than 2.6 rad apart.
     pub fn new(
         positions: (&[f64], &[Point3<f64>], Interpolation),
         attitudes: (&[f64], &[Rotation3<f64>], Interpolation),
@@ -103,10 +104,14 @@ impl Ephemeris {
                 if q.dot(before) < 0.0 {
                     q = -q;
                 }
-                let measure = q.dot(before);
-                if !(measure > LEAST_PRODUCT) {
-                    let what = "turn between neighbouring attitudes";
-                    return Err(Error::Degenerate { what, measure, limit: LEAST_PRODUCT });
+                let half = q.dot(before).min(1.0);
+                if !(half > LEAST_PRODUCT) {
+                    let turn = 2.0 * float::atan2(float::sqrt(1.0 - half * half), half);
+                    return Err(Error::OutOfRange {
+                        what: "turn between neighbouring attitudes",
+                        value: turn,
+                        expected: "at most 2.6 radians: give more attitudes",
+                    });
                 }
             }
             quaternions.push(q);

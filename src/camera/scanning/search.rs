@@ -228,7 +228,8 @@ fn refine<T>(
     for iterations in 1..=MOST_STEPS {
         let Ok((found, rest)) = miss(t.clamp(a, b)) else { return Outcome::None };
         t = t.clamp(a, b);
-        let step = if found.value == 0.0 { 0.0 } else { found.step() };
+        // Where time changes nothing every time is a root, and none is the moment: 0/0.
+        let step = if found.value == 0.0 && found.slope != 0.0 { 0.0 } else { found.step() };
         lines = (step / unit).abs();
         *(if (found.value < 0.0) == rising { &mut a } else { &mut b }) = t;
         let middle = 0.5 * (a + b);
