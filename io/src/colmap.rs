@@ -110,6 +110,11 @@ pub struct Point {
 /// The names of the three files without their extension.
 const FILES: [&str; 3] = ["cameras", "images", "points3D"];
 
+/// Adds what one of the files holds, as text.
+type ParseText = fn(&str, &mut Reconstruction) -> Result<(), Error>;
+/// As bytes.
+type ParseBytes = fn(&[u8], &mut Reconstruction) -> Result<(), Error>;
+
 impl Encoding {
     fn extension(self) -> &'static str {
         match self {
@@ -128,37 +133,21 @@ impl Reconstruction {
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let has = |name: &str| folder.join(name).is_file();
         let encoding = if has("cameras.bin") { Encoding::Binary } else { Encoding::Text };
-        let [cameras, images, points] =
-            FILES.map(|name| folder.join(name).with_extension(encoding.extension()));
+        let as_text: [ParseText; 3] = [text::cameras, text::images, text::points];
+        let as_bytes: [ParseBytes; 3] = [binary::cameras, binary::images, binary::points];
         let mut model = Self::default();
-        match encoding {
-            Encoding::Text => {
-                let read =
-                    |path: &Path,
-                     into: &mut Self,
-                     parse: fn(&str, &mut Self) -> Result<(), Error>| {
-                        read_text(path).and_then(|t| parse(&t, into)).map_err(|e| e.in_file(path))
-                    };
-                read(&cameras, &mut model, text::cameras)?;
-                read(&images, &mut model, text::images)?;
-                if points.is_file() {
-                    read(&points, &mut model, text::points)?;
-                }
+        for ((name, text), bytes) in FILES.into_iter().zip(as_text).zip(as_bytes) {
+            let path = folder.join(name).with_extension(encoding.extension());
+            if name == "points3D" && !path.is_file() {
+                continue;
             }
-            Encoding::Binary => {
-                let read =
-                    |path: &Path,
-                     into: &mut Self,
-                     parse: fn(&[u8], &mut Self) -> Result<(), Error>| {
-                        let bytes = read_bytes(path, MAX_TEXT_BYTES);
-                        bytes.and_then(|b| parse(&b, into)).map_err(|e| e.in_file(path))
-                    };
-                read(&cameras, &mut model, binary::cameras)?;
-                read(&images, &mut model, binary::images)?;
-                if points.is_file() {
-                    read(&points, &mut model, binary::points)?;
+            let read = match encoding {
+                Encoding::Text => read_text(&path).and_then(|t| text(&t, &mut model)),
+                Encoding::Binary => {
+                    read_bytes(&path, MAX_TEXT_BYTES).and_then(|b| bytes(&b, &mut model))
                 }
-            }
+            };
+            read.map_err(|e| e.in_file(&path))?;
         }
         model.check().map_err(|e| Error::from(e).in_file(folder))?;
         Ok(model)

@@ -126,8 +126,11 @@ fn foremost([first, last]: [f64; 2], ahead: &impl Fn(f64) -> f64) -> Option<([f6
     let [mut a, mut b] = ends;
     for _ in 0..MOST_THIRDS {
         let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
-        *(if ahead(c) < ahead(d) { &mut a } else { &mut b }) =
-            if ahead(c) < ahead(d) { c } else { d };
+        if ahead(c) < ahead(d) {
+            a = c;
+        } else {
+            b = d;
+        }
     }
     Some((ends, 0.5 * (a + b)))
 }
