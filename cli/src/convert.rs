@@ -81,21 +81,22 @@ pub fn write(
         bail!("no photograph is in it");
     }
     let paths = outputs(photographs, target, output)?;
-    if let Target::Colmap(encoding) = target {
-        Reconstruction::from_photographs(photographs)?.write(output, encoding)?;
-        return Ok(paths);
-    }
-    if target == Target::Bundler {
-        let text = Bundle::from_photographs(photographs)?.to_text();
-        write_atomically(output, |w| w.write_all(text.as_bytes()))?;
-        return Ok(paths);
-    }
-    let text = |camera: &CameraFile| match target {
-        Target::OpenCv(form) => opencv::to_text(camera, form),
-        Target::Gpu(convention, near, far) => {
-            GpuCamera::new(camera, convention, near, far).and_then(|c| c.to_json())
+    // What turns one photograph's camera into text, where each has a file of its own.
+    let text: &dyn Fn(&CameraFile) -> Result<String, collinear_io::Error> = match target {
+        Target::Colmap(encoding) => {
+            Reconstruction::from_photographs(photographs)?.write(output, encoding)?;
+            return Ok(paths);
         }
-        Target::Camera | Target::Colmap(_) | Target::Bundler => camera.to_json(),
+        Target::Bundler => {
+            let text = Bundle::from_photographs(photographs)?.to_text();
+            write_atomically(output, |w| w.write_all(text.as_bytes()))?;
+            return Ok(paths);
+        }
+        Target::Camera => &Document::to_json,
+        Target::OpenCv(form) => &move |camera| opencv::to_text(camera, form),
+        Target::Gpu(convention, near, far) => {
+            &move |camera| GpuCamera::new(camera, convention, near, far)?.to_json()
+        }
     };
     let mut texts = Vec::with_capacity(photographs.len());
     for (name, camera) in photographs {

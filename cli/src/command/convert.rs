@@ -78,19 +78,12 @@ enum Format {
     Wgpu,
 }
 
-/// Writes a rational polynomial camera.
-type WriteRpc = fn(&RpcFile, &Path) -> Result<(), collinear_io::Error>;
-
-impl Format {
-    /// What writes a rational polynomial camera, where this is a format of one.
-    fn rational(self) -> Option<WriteRpc> {
-        match self {
-            Self::Rpc => Some(RpcFile::write),
-            Self::Rpb => Some(RpcFile::write_rpb),
-            Self::RpcTxt => Some(RpcFile::write_rpc_txt),
-            _ => None,
-        }
-    }
+/// What a format is a format of.
+enum Output {
+    /// Of photographs' cameras.
+    Photographs(Target),
+    /// Of a rational polynomial camera.
+    Rational(fn(&RpcFile, &Path) -> Result<(), collinear_io::Error>),
 }
 
 const LONG: &str = "\
@@ -115,19 +108,24 @@ impl Arguments {
         let mut files = Files::default();
         files.input("the cameras", &self.input)?;
         files.output("the output (-o)", &self.output)?;
-        if let Some(write) = self.to.rational() {
-            let file = read_if_rpc(&self.input)?.ok_or_else(|| {
-                in_file(&self.input, "holds no rational polynomial camera, which --to asks for")
-            })?;
-            if !self.photograph.is_empty() {
-                return Err(in_file(&self.input, "is one camera: leave --photograph out"));
+        let rational = if self.input.is_file() { read_if_rpc(&self.input)? } else { None };
+        let target = match (self.to_what()?, rational) {
+            (Output::Rational(write), Some(file)) => {
+                if !self.photograph.is_empty() {
+                    return Err(in_file(&self.input, "is one camera: leave --photograph out"));
+                }
+                return Ok(write(&file, &self.output)?);
             }
-            return Ok(write(&file, &self.output)?);
-        }
-        if self.input.is_file() && read_if_rpc(&self.input)?.is_some() {
-            let why = "is a rational polynomial camera: convert it --to rpc, rpb or rpc-txt";
-            return Err(in_file(&self.input, why));
-        }
+            (Output::Rational(_), None) => {
+                let why = "holds no rational polynomial camera, which --to asks for";
+                return Err(in_file(&self.input, why));
+            }
+            (Output::Photographs(_), Some(_)) => {
+                let why = "is a rational polynomial camera: convert it --to rpc, rpb or rpc-txt";
+                return Err(in_file(&self.input, why));
+            }
+            (Output::Photographs(target), None) => target,
+        };
         let mut cameras = photographs::read(&self.input, self.size.map(|s| [s.width, s.height]))?;
         if !self.photograph.is_empty() {
             for name in &self.photograph {
@@ -142,7 +140,6 @@ impl Arguments {
             }
             cameras.retain(|(n, _)| self.photograph.contains(n));
         }
-        let target = self.target()?;
         for path in outputs(&cameras, target, &self.output).map_err(|e| in_file(&self.input, e))? {
             if path != self.output {
                 files.output("an output", &path)?;
@@ -155,25 +152,28 @@ impl Arguments {
         Ok(())
     }
 
-    fn target(&self) -> Result<Target, UsageError> {
+    /// What is to be written.
+    fn to_what(&self) -> Result<Output, UsageError> {
         let matrices = |convention| match self.far {
             Some(far) if far <= self.near => {
                 Err(UsageError("--far is not beyond --near: give a greater depth".into()))
             }
             far => Ok(Target::Gpu(convention, self.near, far)),
         };
-        match self.to {
-            Format::Colmap => Ok(Target::Colmap(Encoding::Text)),
-            Format::ColmapBinary => Ok(Target::Colmap(Encoding::Binary)),
-            Format::Bundler => Ok(Target::Bundler),
-            Format::Opencv => Ok(Target::OpenCv(Form::Yaml)),
-            Format::OpencvJson => Ok(Target::OpenCv(Form::Json)),
-            // Those of rational polynomials are written before a target is needed.
-            Format::Rpc | Format::Rpb | Format::RpcTxt | Format::Camera => Ok(Target::Camera),
-            Format::Opengl => matrices(ClipConvention::OpenGl),
-            Format::Direct3d => matrices(ClipConvention::Direct3d),
-            Format::Vulkan => matrices(ClipConvention::Vulkan),
-            Format::Wgpu => matrices(ClipConvention::Wgpu),
-        }
+        Ok(Output::Photographs(match self.to {
+            Format::Rpc => return Ok(Output::Rational(RpcFile::write)),
+            Format::Rpb => return Ok(Output::Rational(RpcFile::write_rpb)),
+            Format::RpcTxt => return Ok(Output::Rational(RpcFile::write_rpc_txt)),
+            Format::Camera => Target::Camera,
+            Format::Colmap => Target::Colmap(Encoding::Text),
+            Format::ColmapBinary => Target::Colmap(Encoding::Binary),
+            Format::Bundler => Target::Bundler,
+            Format::Opencv => Target::OpenCv(Form::Yaml),
+            Format::OpencvJson => Target::OpenCv(Form::Json),
+            Format::Opengl => matrices(ClipConvention::OpenGl)?,
+            Format::Direct3d => matrices(ClipConvention::Direct3d)?,
+            Format::Vulkan => matrices(ClipConvention::Vulkan)?,
+            Format::Wgpu => matrices(ClipConvention::Wgpu)?,
+        }))
     }
 }
