@@ -4,16 +4,19 @@
 //! the documentation includes those in `docs/figures/lenses`.
 
 use std::error::Error;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 
 use collinear::camera::{
-    Brown, CentralProjection, Distortion, Division, DoubleSphere, EnhancedUnified, EvenRadial,
-    ExteriorOrientation, FieldOfView, Fisheye, Fraser, Gnomonic, ImageMotionCompensation,
-    InteriorOrientation, Metashape, NoDistortion, Panorama, PolynomialTrajectory,
-    RadialTangentialThinPrism, Rational, ScanTime, Scanner, SensorModel, ThinPrism, UnifiedSphere,
+    Brown, CentralCamera, CentralProjection, Distortion, Division, DoubleSphere, EnhancedUnified,
+    EvenRadial, ExteriorOrientation, FieldOfView, Fisheye, Frame, Fraser, Gnomonic,
+    ImageMotionCompensation, InteriorOrientation, Metashape, NoDistortion, Panorama,
+    PolynomialTrajectory, RadialTangentialThinPrism, Rational, ScanTime, Scanner, SensorModel,
+    ThinPrism, UnifiedSphere,
 };
+use collinear::geometry::Dome;
 use collinear::nalgebra::{Point2, Point3, Vector3};
 
 type Failure = Box<dyn Error>;
@@ -61,7 +64,56 @@ fn main() -> Result<(), Failure> {
 
     // The scanning cameras: a field of squares, flown over upwards in the figure.
     write("scanning", scans()?)?;
+
+    // The display side: a dome's own grid, as it is drawn for the eye, and as a projector has to show it.
+    write("output_models", domes()?)?;
     Ok(())
+}
+
+/// Azimuths and heights of a dome, every 15°: for an eye in its middle, for one beside it, and pre-warped for a projector below
+/// the rim in front. The dashed lines are the projector's frame.
+fn domes() -> Result<String, Failure> {
+    let dome = Dome::new(Point3::origin(), 1.0, Vector3::z(), FRAC_PI_2)?;
+    let up = |eye: Point3<f64>| ExteriorOrientation::look_at(eye, eye + Vector3::z(), Vector3::y());
+    let interior = InteriorOrientation::from_dome_master(2.0, PI)?;
+    let interior = InteriorOrientation::new(interior.principal_distance(), Point2::origin(), 0.0)?;
+    let fisheye = CentralCamera::ideal(interior, Fisheye::Equidistant);
+    let middle = Frame::new(up(Point3::origin())?, fisheye);
+    let beside = Frame::new(up(Point3::new(0.45, 0.2, 0.1))?, fisheye);
+    let place = Point3::new(0.0, -0.9, -0.15);
+    let pose = ExteriorOrientation::look_at(place, Point3::new(0.0, 0.25, 1.0), Vector3::z())?;
+    let lens = InteriorOrientation::new([1.0; 2], Point2::origin(), 0.0)?;
+    let projector = Frame::new(pose, lens);
+    // Half the frame: 16 to 10, as wide as the lens is long.
+    let frame = [0.8, 0.5];
+    let grid = |point: &dyn Fn(Point3<f64>) -> Option<Point2<f64>>| -> Vec<Line> {
+        let at = |azimuth: f64, height: f64| {
+            let ((s, c), (z, level)) = (azimuth.sin_cos(), height.sin_cos());
+            point(Point3::new(level * s, level * c, z))
+        };
+        let rings = samples(0.0, 75.0, 5).map(|h| {
+            samples(0.0, 360.0, 72).map(|a| at(a.to_radians(), h.to_radians())).collect()
+        });
+        let rays = samples(0.0, 345.0, 23)
+            .map(|a| samples(0.0, 75.0, 15).map(|h| at(a.to_radians(), h.to_radians())).collect());
+        rings.chain(rays).collect()
+    };
+    let shown = |p: Point3<f64>| {
+        let pixel = projector.project(&p).ok()?;
+        // Only what the projector's light falls on first.
+        let lit = projector.ground(&pixel, &dome).ok()?;
+        let inside = (0..2).all(|i| pixel[i].abs() <= frame[i]);
+        (inside && (lit - p).norm() < 1e-6).then_some(pixel)
+    };
+    let [w, h] = frame;
+    let corners = [[-w, -h], [w, -h], [w, h], [-w, h], [-w, -h]];
+    let edge = corners.map(|c| Some(Point2::from(c))).to_vec();
+    let of = |caption, ideal, lines| Panel { caption, ideal, lines };
+    Ok(drawing(&[
+        of("dome master", vec![], grid(&|p| middle.project(&p).ok())),
+        of("for an eye beside the middle", vec![], grid(&|p| beside.project(&p).ok())),
+        of("pre-warped for a projector", vec![edge], grid(&shown)),
+    ]))
 }
 
 /// From 1 above the origin, looking down, y of the picture along the flight: with a velocity along y and polynomials of the

@@ -29,6 +29,12 @@ pub enum ProjectionError {
     /// The line of sight does not meet the surface in front of the camera.
     #[error("the line of sight does not meet the surface")]
     MissesSurface,
+    /// Another part of the surface stands between the texture's camera and the point.
+    #[error("hidden from the texture's camera by what stands {} before it", Brief(*distance))]
+    Hidden {
+        /// How far before the point, in world units.
+        distance: f64,
+    },
     /// The model is not defined here, as a lens distortion is past the radius where it folds back.
     #[error("outside the model's domain: {} is not below {}", Brief(*value), Brief(*limit))]
     OutsideDomain {

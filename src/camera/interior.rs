@@ -116,6 +116,33 @@ impl InteriorOrientation {
         Self::new(distance, Point2::new(0.5 * width, 0.5 * height), 0.0)
     }
 
+    /// Of a dome master: the equidistant fisheye picture, `size` × `size` pixels, whose circle fills it and holds a field of view given in
+    /// radians, π for a hemisphere. With [`Fisheye::Equidistant`](super::Fisheye::Equidistant).
+    ///
+    /// ```text
+    /// c = size/field,   principal point (size/2, size/2)
+    /// ```
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Example
+    /// ```
+    /// use collinear::camera::{CentralCamera, CentralModel, Fisheye, InteriorOrientation};
+    /// use nalgebra::{Point2, Vector3};
+    ///
+    /// let interior = InteriorOrientation::from_dome_master(4096.0, std::f64::consts::PI)?;
+    /// let master = CentralCamera::ideal(interior, Fisheye::Equidistant);
+    /// // The rim to the right of the axis.
+    /// let rim = master.project_direction(&Vector3::x())?;
+    /// assert!((rim - Point2::new(4096.0, 2048.0)).norm() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias("fulldome", "domemaster", "angular fisheye"))]
+    pub fn from_dome_master(size: f64, field_of_view: f64) -> Result<Self, Error> {
+        Self::new([size / field_of_view; 2], Point2::new(0.5 * size, 0.5 * size), 0.0)
+    }
+
     /// From Agisoft Metashape's f, cx, cy, b₁ and b₂ in pixels and the picture's size.
     ///
     /// ```text

@@ -25,6 +25,8 @@ mod parameters;
 pub mod rpc;
 mod scanning;
 
+use alloc::boxed::Box;
+use alloc::sync::Arc;
 use core::fmt::Debug;
 
 use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
@@ -194,6 +196,35 @@ pub trait SensorModel: Debug + Send + Sync {
         surface.meet(&self.locus(image)?)
     }
 }
+
+/// A sensor behind a pointer is that sensor.
+macro_rules! behind_a_pointer {
+    ($($pointer:ty),*) => {$(
+        impl<S: SensorModel + ?Sized> SensorModel for $pointer {
+            fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
+                (**self).project(world)
+            }
+            fn project_jacobian(
+                &self,
+                world: &Point3<f64>,
+            ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+                (**self).project_jacobian(world)
+            }
+            fn locus(&self, image: &Point2<f64>) -> Result<Locus, ProjectionError> {
+                (**self).locus(image)
+            }
+            fn ground(
+                &self,
+                image: &Point2<f64>,
+                surface: &dyn Surface,
+            ) -> Result<Point3<f64>, ProjectionError> {
+                (**self).ground(image, surface)
+            }
+        }
+    )*};
+}
+
+behind_a_pointer!(&S, Box<S>, Arc<S>);
 
 /// A group of parameters that an adjustment estimates, or holds, together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

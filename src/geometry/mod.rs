@@ -7,16 +7,21 @@
 pub mod affine;
 pub mod geodetic;
 pub mod homography;
+pub mod mesh;
 mod plane;
 pub(crate) mod pose;
 pub mod projection;
 mod ray;
 pub mod rotation;
+mod sphere;
 mod surface;
 
 pub use affine::Affine2;
 pub use homography::Homography;
+pub use mesh::TriangleMesh;
+pub(crate) use plane::axes;
 pub use plane::{Plane, PlaneFit};
 pub use pose::Pose;
 pub use ray::{HeightCurve, Locus, Ray};
+pub use sphere::{Dome, Sphere};
 pub use surface::Surface;

@@ -1,6 +1,6 @@
 //! Planes in space.
 
-use nalgebra::{Point3, UnitVector3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, UnitVector3, Vector3};
 
 use super::ray::Ray;
 use super::surface::Surface;
@@ -215,6 +215,18 @@ impl Surface for Plane {
             Err(ProjectionError::MissesSurface)
         }
     }
+
+    fn normal(&self, _: &Point3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+        Ok(self.normal)
+    }
+}
+
+/// Right-handed axes of which the third is this one, as columns.
+pub(crate) fn axes(third: &UnitVector3<f64>) -> Rotation3<f64> {
+    let across = Vector3::ith(third.iamin(), 1.0);
+    let first = third.cross(&across).normalize();
+    let columns = [first, third.cross(&first), third.into_inner()];
+    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns))
 }
 
 /// A plane fitted to points, and how well they lie on it.

@@ -1,6 +1,8 @@
 //! What a line of sight can meet.
 
-use nalgebra::Point3;
+use alloc::boxed::Box;
+
+use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::ray::{HeightCurve, Locus, Ray};
 use crate::error::ProjectionError;
@@ -57,7 +59,60 @@ pub trait Surface: core::fmt::Debug + Send + Sync {
             Locus::Curve(curve) => self.meet_curve(curve),
         }
     }
+
+    /// The normal at a point of the surface, of unit length, pointing above it.
+    ///
+    /// By default the gradient of [`height_above`](Self::height_above) by central differences over 6·10⁻⁶ of the largest
+    /// coordinate (at least 6·10⁻⁶ units): to nine digits where the surface is smooth over that length. Planes, spheres, domes,
+    /// meshes and ellipsoids have theirs in closed form.
+    ///
+    /// # Errors
+    /// [`ProjectionError::NotFinite`] where there is none.
+    fn normal(&self, world: &Point3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+        // ∛ε balances the truncation of the differences against their rounding.
+        let step = 6.055e-6 * world.coords.amax().max(1.0);
+        let gradient = Vector3::from_fn(|i, _| {
+            let offset = Vector3::ith(i, step);
+            self.height_above(&(world + offset)) - self.height_above(&(world - offset))
+        });
+        unit_normal(gradient)
+    }
 }
+
+/// A vector at unit length.
+pub(super) fn unit_normal(vector: Vector3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+    let length = vector.norm();
+    if length > 0.0 && length.is_finite() {
+        Ok(UnitVector3::new_unchecked(vector / length))
+    } else {
+        Err(ProjectionError::NotFinite)
+    }
+}
+
+/// A surface behind a pointer is that surface.
+macro_rules! behind_a_pointer {
+    ($($pointer:ty),*) => {$(
+        impl<S: Surface + ?Sized> Surface for $pointer {
+            fn height_above(&self, world: &Point3<f64>) -> f64 {
+                (**self).height_above(world)
+            }
+            fn meet_ray(&self, ray: &Ray) -> Result<Point3<f64>, ProjectionError> {
+                (**self).meet_ray(ray)
+            }
+            fn meet_curve(&self, curve: &HeightCurve) -> Result<Point3<f64>, ProjectionError> {
+                (**self).meet_curve(curve)
+            }
+            fn meet(&self, locus: &Locus) -> Result<Point3<f64>, ProjectionError> {
+                (**self).meet(locus)
+            }
+            fn normal(&self, world: &Point3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+                (**self).normal(world)
+            }
+        }
+    )*};
+}
+
+behind_a_pointer!(&S, Box<S>);
 
 /// The steps in which a curve is searched from its top for a change of sign.
 const STEPS: u32 = 64;

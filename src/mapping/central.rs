@@ -1,13 +1,13 @@
 //! A plane seen by any camera of one centre.
 
-use nalgebra::{Matrix2, Matrix3, Matrix3x2, Point2, Rotation3, UnitVector3, Vector3};
+use nalgebra::{Matrix2, Matrix3x2, Point2, Vector3};
 
 use super::{Composed, FractionalLinear, Map};
 use crate::camera::{
     CentralModel, ExteriorOrientation, Frame, HomogeneousCamera, InteriorOrientation, Orthographic,
 };
 use crate::error::{Error, ProjectionError};
-use crate::geometry::{Affine2, Plane};
+use crate::geometry::{Affine2, Plane, axes};
 
 /// From the coordinates of a plane to the image that a camera of one centre takes of it, of whichever model.
 ///
@@ -146,12 +146,4 @@ impl<C: CentralModel + Clone> CentralPhotographMap<C> {
         let inner = FractionalLinear::from_plane(plane, &coordinates.homogeneous(), screen)?;
         Ok(Self { outer, inner })
     }
-}
-
-/// Right-handed axes of which the third is this one, as columns.
-fn axes(third: &UnitVector3<f64>) -> Rotation3<f64> {
-    let across = Vector3::ith(third.iamin(), 1.0);
-    let first = third.cross(&across).normalize();
-    let columns = [first, third.cross(&first), third.into_inner()];
-    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns))
 }

@@ -14,6 +14,7 @@ mod fractional_linear;
 pub mod perspective_bilinear;
 pub mod polynomial;
 mod row;
+mod sensor;
 pub mod span;
 
 use core::fmt::Debug;
@@ -26,6 +27,7 @@ pub use central::{CentralMap, CentralPhotographMap};
 pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
 pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};
+pub use sensor::SensorMap;
 
 use crate::error::ProjectionError;
 

@@ -17,4 +17,4 @@ pub use image::{ImageView, ImageViewMut, Sample};
 pub use sampler::{Filter, sample};
 pub use warp::warp;
 
-pub(crate) use sampler::{Visit, visit_row};
+pub(crate) use sampler::{Visit, sample_with, visit_row};

@@ -202,6 +202,17 @@ pub fn sample<T: Sample, const C: usize>(
     filter: Filter,
     border: Border,
 ) -> Option<[T; C]> {
+    sample_with(view, position, filter, border, &mut RowCoords::new())
+}
+
+/// As [`sample`], with the memory of a row to work in.
+pub(crate) fn sample_with<T: Sample, const C: usize>(
+    view: ImageView<'_, T, C>,
+    position: &Point2<f64>,
+    filter: Filter,
+    border: Border,
+    coords: &mut RowCoords,
+) -> Option<[T; C]> {
     struct One<P>(Option<P>);
     impl<T, const C: usize> Visit<T, C> for One<[T; C]> {
         fn wants(&mut self, _: i32) -> bool {
@@ -211,9 +222,9 @@ pub fn sample<T: Sample, const C: usize>(
             self.0 = Some(value);
         }
     }
-    let mut coords = RowCoords::new();
+    coords.clear();
     coords.push(0, position.x, position.y);
     let mut one = One(None);
-    visit_row(view, filter, border, &coords, &mut one).ok()?;
+    visit_row(view, filter, border, coords, &mut one).ok()?;
     one.0
 }

@@ -5,9 +5,9 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector3};
 
 use crate::camera::HomogeneousCamera;
-use crate::error::Error;
+use crate::error::{Error, ProjectionError};
 use crate::geometry::homography::FitOptions;
-use crate::geometry::{Affine2, Homography, Plane};
+use crate::geometry::{Affine2, Homography, Plane, axes};
 use crate::mapping::FractionalLinear;
 
 /// Vertices may disagree with one map of their plane by this much, in texels.
@@ -51,25 +51,87 @@ pub fn from_vertices(
     coordinates: &[Vector3<f64>],
     screen: &HomogeneousCamera,
 ) -> Result<FractionalLinear, Error> {
-    if world.len() != coordinates.len() {
-        return Err(Error::LengthMismatch {
-            what: "vertices and texture coordinates",
-            left: world.len(),
-            right: coordinates.len(),
-        });
+    let texture = PlaneTexture::from_vertices(world, coordinates)?;
+    FractionalLinear::from_plane_texture(&texture.plane, &texture.about(&screen.origin()), screen)
+}
+
+/// A texture laid on a plane or projected onto it: its coordinates at any point of the plane.
+///
+/// ```text
+/// (w u, w v, w) = T (a, b, 1),   (a, b) the point in the plane's own axes
+/// ```
+///
+/// # Example
+/// A wall of 4 × 2, with 100 texels a unit and v downwards:
+///
+/// ```
+/// use collinear::texturer::PlaneTexture;
+/// use nalgebra::{Point2, Point3, Vector3};
+///
+/// let wall = [(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)].map(|(x, z)| Point3::new(x, 7.0, z));
+/// let corners = [(0.0, 200.0), (400.0, 200.0), (400.0, 0.0), (0.0, 0.0)];
+/// let texture = PlaneTexture::from_vertices(&wall, &corners.map(|(u, v)| Vector3::new(u, v, 1.0)))?;
+/// assert!((texture.at(&Point3::new(1.0, 7.0, 1.5))? - Point2::new(100.0, 50.0)).norm() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneTexture {
+    plane: Plane,
+    origin: Point3<f64>,
+    /// (w u, w v, w) from (X − origin, 1).
+    matrix: Matrix3x4<f64>,
+}
+
+impl PlaneTexture {
+    /// The texture of a planar polygon whose vertices carry coordinates (u, v, w), as [`from_vertices`] takes them.
+    ///
+    /// # Errors
+    /// As [`from_vertices`].
+    pub fn from_vertices(
+        world: &[Point3<f64>],
+        coordinates: &[Vector3<f64>],
+    ) -> Result<Self, Error> {
+        if world.len() != coordinates.len() {
+            return Err(Error::LengthMismatch {
+                what: "vertices and texture coordinates",
+                left: world.len(),
+                right: coordinates.len(),
+            });
+        }
+        if let Some(c) = coordinates.iter().find(|c| !(c.z > 0.0)) {
+            let (what, expected) = ("texture w", "more than 0");
+            return Err(Error::OutOfRange { what, value: c.z, expected });
+        }
+        let plane = Plane::fit(world)?.plane;
+        let frame = PlaneAxes::new(&plane, world);
+        let in_plane: Vec<Point2<f64>> = world.iter().map(|p| frame.coordinates(p)).collect();
+        let texture_from_plane = texture_from_plane(&in_plane, coordinates)?;
+        let matrix = texture_from_plane * frame.plane_from_offset();
+        Ok(Self { plane, origin: frame.origin, matrix })
     }
-    if let Some(c) = coordinates.iter().find(|c| !(c.z > 0.0)) {
-        return Err(Error::OutOfRange { what: "texture w", value: c.z, expected: "more than 0" });
+
+    /// The texture's coordinates at a point of the plane.
+    ///
+    /// # Errors
+    /// [`ProjectionError::BehindCamera`] where w is not positive, [`ProjectionError::NotFinite`].
+    pub fn at(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
+        let h = self.matrix * (world - self.origin).push(1.0);
+        let point = Point2::new(h.x / h.z, h.y / h.z);
+        if h.z <= 0.0 {
+            Err(ProjectionError::BehindCamera { depth: h.z })
+        } else if point.iter().all(|c| c.is_finite()) {
+            Ok(point)
+        } else {
+            Err(ProjectionError::NotFinite)
+        }
     }
-    let plane = Plane::fit(world)?.plane;
-    let frame = PlaneAxes::new(&plane, world);
-    let in_plane: Vec<Point2<f64>> = world.iter().map(|p| frame.coordinates(p)).collect();
-    let texture_from_plane = texture_from_plane(&in_plane, coordinates)?;
-    FractionalLinear::from_plane_texture(
-        &plane,
-        &(texture_from_plane * frame.plane_from_world(screen)),
-        screen,
-    )
+
+    /// (w u, w v, w) from (X − O, 1), O another origin.
+    fn about(&self, origin: &Point3<f64>) -> Matrix3x4<f64> {
+        let mut moved = self.matrix;
+        moved.set_column(3, &(self.matrix * (origin - self.origin).push(1.0)));
+        moved
+    }
 }
 
 /// Axes in a plane, scaled to the polygon.
@@ -83,11 +145,9 @@ impl PlaneAxes {
     fn new(plane: &Plane, world: &[Point3<f64>]) -> Self {
         let origin = plane.point();
         let size = world.iter().map(|p| (p - origin).norm()).fold(0.0, f64::max);
-        let n = plane.normal().into_inner();
-        // Any vector well off the normal will do for the first axis.
-        let helper = if n.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
-        let x = n.cross(&helper).normalize();
-        Self { origin, x: x / size, y: n.cross(&x) / size }
+        let axes = axes(&plane.normal());
+        let [x, y] = [0, 1].map(|i| axes.matrix().column(i) / size);
+        Self { origin, x, y }
     }
 
     fn coordinates(&self, p: &Point3<f64>) -> Point2<f64> {
@@ -95,24 +155,13 @@ impl PlaneAxes {
         Point2::new(self.x.dot(&d), self.y.dot(&d))
     }
 
-    /// (a, b, 1) from (X − O, 1), O the screen's origin.
-    fn plane_from_world(&self, screen: &HomogeneousCamera) -> Matrix3x4<f64> {
-        let shift = screen.origin() - self.origin;
-        let (x, y) = (self.x, self.y);
-        Matrix3x4::new(
-            x.x,
-            x.y,
-            x.z,
-            x.dot(&shift), //
-            y.x,
-            y.y,
-            y.z,
-            y.dot(&shift), //
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-        )
+    /// (a, b, 1) from (X − origin, 1).
+    fn plane_from_offset(&self) -> Matrix3x4<f64> {
+        let mut matrix = Matrix3x4::zeros();
+        matrix.fixed_view_mut::<1, 3>(0, 0).copy_from(&self.x.transpose());
+        matrix.fixed_view_mut::<1, 3>(1, 0).copy_from(&self.y.transpose());
+        matrix[(2, 3)] = 1.0;
+        matrix
     }
 }
 

@@ -8,6 +8,9 @@
 //!
 //! This is the readable reference that faster texturers are held against.
 //!
+//! On a screen where straight edges are curves, as of a fisheye, a panorama or a scanner, the polygons are met by each pixel's own line of
+//! sight instead: [`RayCaster`].
+//!
 #![doc = include_str!("../../docs/figures/texturer.svg")]
 //!
 //! [`Map`]: crate::mapping::Map
@@ -17,10 +20,12 @@ mod canvas;
 mod coordinates;
 mod interpolation;
 mod polygon;
+mod rays;
 mod scan;
 
 pub use canvas::{Canvas, Paint};
-pub use coordinates::from_vertices;
+pub use coordinates::{PlaneTexture, from_vertices};
 pub use interpolation::{bilinear_quad, linear_triangles};
 pub use polygon::{Facing, ScreenPolygon};
+pub use rays::{Facets, RayCaster, RayPaint, Sight, TextureCoordinates};
 pub use scan::PixelSpan;

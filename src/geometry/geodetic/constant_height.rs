@@ -1,6 +1,6 @@
 //! The surface at a constant height above an ellipsoid.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::ellipsoid::Ellipsoid;
 use super::position::EllipsoidalHeight;
@@ -27,7 +27,7 @@ use crate::numeric::polynomial::quadratic_roots;
 /// ```
 /// use collinear::geometry::geodetic::{Ellipsoid, EllipsoidalHeight};
 /// use collinear::geometry::{Ray, Surface};
-/// use nalgebra::{Point3, Vector3};
+/// use nalgebra::{Point3, UnitVector3, Vector3};
 ///
 /// // Down the equator's plane from 8000 km to 1000 m above it.
 /// let surface = Ellipsoid::WGS84.at_height(EllipsoidalHeight(1000.0))?;
@@ -131,6 +131,11 @@ impl Surface for ConstantHeight {
             Ok(geodetic) => geodetic.height().0 - self.height,
             Err(_) => f64::NAN,
         }
+    }
+
+    fn normal(&self, world: &Point3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+        let place = self.ellipsoid.geodetic_from_geocentric(world)?;
+        Ok(Ellipsoid::normal(place.latitude(), place.longitude()))
     }
 
     fn meet_ray(&self, ray: &Ray) -> Result<Point3<f64>, ProjectionError> {

@@ -1,6 +1,6 @@
 //! Cartesian frames whose place on the Earth is known, and the Earth's surfaces seen from them.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, UnitVector3};
 
 use super::constant_height::ConstantHeight;
 use super::ellipsoid::Ellipsoid;
@@ -114,6 +114,11 @@ impl<S> Placed<S> {
 impl<S: Surface> Surface for Placed<S> {
     fn height_above(&self, world: &Point3<f64>) -> f64 {
         self.surface.height_above(&self.pose.apply_inverse(world))
+    }
+
+    fn normal(&self, world: &Point3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+        let normal = self.surface.normal(&self.pose.apply_inverse(world))?;
+        Ok(self.pose.rotation * normal)
     }
 
     fn meet_ray(&self, ray: &Ray) -> Result<Point3<f64>, ProjectionError> {

@@ -1,0 +1,339 @@
+//! Polygons as any sensor sees them, by the line of sight of each pixel.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+use nalgebra::{Point2, Point3};
+
+use super::polygon::{Facing, ScreenPolygon};
+use crate::camera::{ExteriorOrientation, Orthographic, SensorModel};
+use crate::error::{Error, ProjectionError};
+use crate::geometry::{Affine2, HeightCurve, Locus, Plane, Ray, Surface, TriangleMesh, axes};
+use crate::mapping::RowCoords;
+use crate::resample::{Border, Filter, ImageView, ImageViewMut, Sample, sample_with};
+
+/// Polygons that lines of sight are cast at.
+///
+/// Each polygon has three or more vertices, convex or concave, in one plane, as for a [`ScreenPolygon`]. It is cut into triangles, exactly on
+/// vertices rounded to 2⁻²⁶ of its size; those of all polygons stand in one [`TriangleMesh`].
+///
+/// # Example
+/// Two walls, one behind the other and larger. Above the first the second is seen:
+///
+/// ```
+/// use collinear::geometry::{Locus, Ray};
+/// use collinear::texturer::Facets;
+/// use nalgebra::{Point3, Vector3};
+///
+/// let wall = |y: f64, size: f64| vec![
+///     Point3::new(-size, y, 0.0), Point3::new(size, y, 0.0), Point3::new(size, y, size), Point3::new(-size, y, size),
+/// ];
+/// let (facets, refused) = Facets::new(&[wall(20.0, 10.0), wall(10.0, 2.0)])?;
+/// assert!(refused.is_empty());
+/// let seen = |slope| {
+///     let ray = Ray::new(Point3::new(0.0, 0.0, 1.0), Vector3::new(0.0, 1.0, slope)).ok()?;
+///     facets.first(&Locus::Ray(ray), |_| true).map(|sight| (sight.polygon, sight.point))
+/// };
+/// assert_eq!(seen(0.0), Some((1, Point3::new(0.0, 10.0, 1.0))));
+/// assert_eq!(seen(0.25).map(|s| s.0), Some(0));
+/// assert_eq!(seen(1.0), None);
+/// # Ok::<(), collinear::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Facets {
+    mesh: TriangleMesh,
+    /// Of each triangle, its polygon.
+    polygons: Vec<u32>,
+    /// Of each polygon, its plane; none for one that was refused.
+    planes: Vec<Option<Plane>>,
+}
+
+/// A polygon on a line of sight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// The number of the polygon.
+    pub polygon: usize,
+    /// Where it is met, world coordinates.
+    pub point: Point3<f64>,
+    /// How far that is from where the line of sight begins, world units: the sensor, or the top of a curve over height.
+    pub distance: f64,
+    /// Whether the side is seen from which the vertices turn counter-clockwise.
+    pub from_front: bool,
+}
+
+/// The chords that a curve is followed along.
+const CHORDS: u32 = 64;
+
+/// Pixels across a polygon when it is cut into triangles.
+const ACROSS: f64 = 262_144.0;
+
+impl Facets {
+    /// From polygons by their vertices; and those that are none, by their numbers, with the reason: too few vertices, all on one line, or not
+    /// finite.
+    ///
+    /// # Errors
+    /// [`Error::TooFewPoints`] where no polygon is left, and those of [`TriangleMesh::new`].
+    pub fn new<P: AsRef<[Point3<f64>]>>(
+        polygons: &[P],
+    ) -> Result<(Self, Vec<(usize, Error)>), Error> {
+        let mut refused = Vec::new();
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        let (mut numbers, mut planes) = (Vec::new(), Vec::with_capacity(polygons.len()));
+        for (number, polygon) in polygons.iter().enumerate() {
+            let world = polygon.as_ref();
+            match cut(world) {
+                Err(error) => {
+                    refused.push((number, error));
+                    planes.push(None);
+                }
+                Ok((plane, pieces)) => {
+                    let first = vertices.len() as u32;
+                    vertices.extend_from_slice(world);
+                    numbers.extend(pieces.iter().map(|_| number as u32));
+                    triangles.extend(pieces.into_iter().map(|t| t.map(|i| first + i as u32)));
+                    planes.push(Some(plane));
+                }
+            }
+        }
+        let mesh = TriangleMesh::new(vertices, triangles)?;
+        Ok((Self { mesh, polygons: numbers, planes }, refused))
+    }
+
+    /// The triangles of all polygons.
+    #[must_use]
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// The first polygon along a line of sight that is wanted. Of two at one distance, to rounding to `f32`, the one of the lower number is
+    /// asked first, as on a [`Canvas`](super::Canvas).
+    pub fn first(&self, locus: &Locus, mut wanted: impl FnMut(&Sight) -> bool) -> Option<Sight> {
+        match locus {
+            Locus::Ray(ray) => self.first_on(ray, f64::INFINITY, &mut wanted),
+            Locus::Curve(curve) => self.first_along(curve, &mut wanted),
+        }
+    }
+
+    /// The first on a ray, not farther than `reach`.
+    fn first_on(
+        &self,
+        ray: &Ray,
+        reach: f64,
+        wanted: &mut impl FnMut(&Sight) -> bool,
+    ) -> Option<Sight> {
+        // What was not wanted comes no more: a line of sight meets a polygon once.
+        let mut passed: Vec<u32> = Vec::new();
+        loop {
+            let mut first: Option<((f32, u32), f64)> = None;
+            self.mesh.visit_hits(ray, |hit| {
+                let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
+                let key = (hit.distance as f32, polygon);
+                if hit.distance <= reach
+                    && !passed.contains(&polygon)
+                    && first.is_none_or(|(nearest, _)| key < nearest)
+                {
+                    first = Some((key, hit.distance));
+                }
+                // Those that round to the same distance count.
+                first.map_or(reach, |((distance, _), _)| f64::from(distance.next_up()))
+            });
+            let ((_, polygon), distance) = first?;
+            let plane = self.planes.get(polygon as usize).copied().flatten()?;
+            let sight = Sight {
+                polygon: polygon as usize,
+                point: ray.at(distance),
+                distance,
+                from_front: plane.normal().dot(&ray.direction) < 0.0,
+            };
+            if wanted(&sight) {
+                return Some(sight);
+            }
+            passed.push(polygon);
+        }
+    }
+
+    /// The first along a curve from its top: chord by chord, then on the curve itself.
+    fn first_along(
+        &self,
+        curve: &HeightCurve,
+        wanted: &mut impl FnMut(&Sight) -> bool,
+    ) -> Option<Sight> {
+        let [low, high] = curve.heights;
+        let at = |k: u32| curve.at(high + (low - high) * (f64::from(k) / f64::from(CHORDS)));
+        let (top, mut from) = (at(0), at(0));
+        for k in 1..=CHORDS {
+            let to = at(k);
+            let chord = to - from;
+            let ray = Ray::new(from, chord).ok()?;
+            let mut on_curve = |sight: &Sight| {
+                let plane = self.planes.get(sight.polygon).copied().flatten();
+                let exact = plane.and_then(|p| p.meet_curve(curve).ok());
+                let point = exact.filter(|p| (p - sight.point).norm() <= chord.norm());
+                let point = point.unwrap_or(sight.point);
+                let sight = Sight { point, distance: (point - top).norm(), ..*sight };
+                wanted(&sight).then_some(sight)
+            };
+            let mut found = None;
+            let _ = self.first_on(&ray, chord.norm(), &mut |sight| {
+                found = on_curve(sight);
+                found.is_some()
+            });
+            if found.is_some() {
+                return found;
+            }
+            from = to;
+        }
+        None
+    }
+}
+
+/// A polygon's plane, and its triangles by the numbers of their vertices.
+fn cut(world: &[Point3<f64>]) -> Result<(Plane, Vec<[usize; 3]>), Error> {
+    let plane = match world {
+        [a, b, c] => Plane::through(a, b, c)?,
+        _ => Plane::fit(world)?.plane,
+    };
+    let size = world.iter().map(|p| (p - plane.point()).norm()).fold(0.0, f64::max);
+    let turned = axes(&plane.normal()).inverse();
+    let exterior = ExteriorOrientation::new(plane.point(), turned);
+    let scale = ACROSS / size;
+    let flat = Affine2::from_coefficients([0.0, scale, 0.0], [0.0, 0.0, scale]);
+    let flat = Orthographic::new(exterior, flat)?.homogeneous();
+    Ok((plane, ScreenPolygon::project(world, &flat, 1.0)?.triangles()))
+}
+
+/// What a polygon is painted with where a line of sight meets it.
+#[derive(Clone, Copy)]
+pub enum RayPaint<'a, T, const C: usize> {
+    /// Nothing: what lies behind is seen.
+    Nothing,
+    /// One value.
+    Flat([T; C]),
+    /// A picture.
+    Picture {
+        /// The picture.
+        image: ImageView<'a, T, C>,
+        /// Where in the picture a world point is: a [`SensorModel::project`], a [`PlaneTexture::at`](super::PlaneTexture::at).
+        coordinates: &'a TextureCoordinates<'a>,
+        /// How values are taken between texel centres.
+        filter: Filter,
+        /// What lies beyond the picture. Where a transparent border or the coordinates give nothing, what lies behind is seen.
+        border: Border,
+    },
+}
+
+/// Texture coordinates of a world point, or why it has none.
+pub type TextureCoordinates<'a> =
+    dyn Fn(&Point3<f64>) -> Result<Point2<f64>, ProjectionError> + Sync + 'a;
+
+impl<T: fmt::Debug, const C: usize> fmt::Debug for RayPaint<'_, T, C> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing => f.write_str("Nothing"),
+            Self::Flat(value) => f.debug_tuple("Flat").field(value).finish(),
+            Self::Picture { filter, border, .. } => f
+                .debug_struct("Picture")
+                .field("filter", filter)
+                .field("border", border)
+                .finish_non_exhaustive(),
+        }
+    }
+}
+
+/// The picture that any sensor takes of polygons.
+///
+/// Each pixel's line of sight, through its centre, meets the polygons from the nearest on, until one gives the pixel a value. A pixel
+/// without a line of sight, as beyond a fisheye's circle, stays as it was. For a perspective screen the [`Canvas`](super::Canvas) draws the
+/// same pixels faster; the two agree but for pixels whose centre is within 1/256 pixel of an edge.
+///
+/// # Example
+/// A cylindrical panorama of four pixels, each a quarter turn wide, from the middle of a room with walls of four colours:
+///
+/// ```
+/// use collinear::camera::{CentralCamera, ExteriorOrientation, Frame, InteriorOrientation, Panorama};
+/// use collinear::resample::ImageViewMut;
+/// use collinear::texturer::{Facets, Facing, RayCaster, RayPaint};
+/// use nalgebra::{Point2, Point3, Rotation3, Vector3};
+///
+/// // Wall k stands a quarter turn right of wall k − 1; the first is ahead (z forward, y down).
+/// let walls: Vec<Vec<Point3<f64>>> = (0..4).map(|k| {
+///     let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), f64::from(k) * std::f64::consts::FRAC_PI_2);
+///     [(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)].map(|(x, y)| turn * Point3::new(x, y, 3.0)).to_vec()
+/// }).collect();
+/// let (facets, _) = Facets::new(&walls)?;
+/// let eye = ExteriorOrientation::new(Point3::origin(), Rotation3::identity());
+/// let turn = 4.0 / std::f64::consts::TAU;
+/// let interior = InteriorOrientation::new([turn; 2], Point2::new(1.5, 0.5), 0.0)?;
+/// let screen = Frame::new(eye, CentralCamera::ideal(interior, Panorama::Cylindrical));
+/// let paints = [1, 2, 3, 4].map(|color| RayPaint::Flat([color]));
+/// let caster = RayCaster { screen: &screen, facets: &facets, paints: &paints, facing: Facing::Both, near: 0.1 };
+/// let mut pixels = [0u8; 4];
+/// caster.draw(&mut ImageViewMut::<u8, 1>::new(&mut pixels, 4, 1)?);
+/// // A quarter turn to the left of the principal point, ahead, to the right; a fourth is past the seam.
+/// assert_eq!(pixels, [4, 1, 2, 3]);
+/// # Ok::<(), collinear::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+#[doc(alias("ray tracing", "ray casting"))]
+pub struct RayCaster<'a, T, const C: usize> {
+    /// The sensor whose picture is drawn.
+    pub screen: &'a dyn SensorModel,
+    /// The polygons.
+    pub facets: &'a Facets,
+    /// Of each polygon its paint; those without one are not seen.
+    pub paints: &'a [RayPaint<'a, T, C>],
+    /// Which sides are seen. The front is that from which the vertices turn counter-clockwise.
+    pub facing: Facing,
+    /// The distance, in world units along the line of sight, before which nothing is seen.
+    pub near: f64,
+}
+
+impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
+    /// Draws a whole picture. The sensor's pixels are its pixels.
+    pub fn draw(&self, target: &mut ImageViewMut<'_, T, C>) {
+        for y in 0..target.height() {
+            self.row(y, target.row_mut(y));
+        }
+    }
+
+    /// Draws row `y`, of as many pixels as `row` has room for.
+    pub fn row(&self, y: usize, row: &mut [T]) {
+        let mut coords = RowCoords::new();
+        for (x, pixel) in row.chunks_exact_mut(C.max(1)).enumerate() {
+            let center = Point2::new(x as f64 + 0.5, y as f64 + 0.5);
+            if let Some(value) = self.value(&center, &mut coords) {
+                pixel.copy_from_slice(&value);
+            }
+        }
+    }
+
+    /// What a point of the sensor's picture shows.
+    fn value(&self, image: &Point2<f64>, coords: &mut RowCoords) -> Option<[T; C]> {
+        let locus = self.screen.locus(image).ok()?;
+        let mut value = None;
+        let _ = self.facets.first(&locus, |sight| {
+            let shown = match self.facing {
+                Facing::Both => true,
+                Facing::Front => sight.from_front,
+                Facing::Back => !sight.from_front,
+            };
+            if shown && sight.distance >= self.near {
+                value = self.paint(sight, coords);
+            }
+            value.is_some()
+        });
+        value
+    }
+
+    /// What a polygon shows where it is met.
+    fn paint(&self, sight: &Sight, coords: &mut RowCoords) -> Option<[T; C]> {
+        match self.paints.get(sight.polygon)? {
+            RayPaint::Nothing => None,
+            RayPaint::Flat(value) => Some(*value),
+            RayPaint::Picture { image, coordinates, filter, border } => {
+                let position = coordinates(&sight.point).ok()?;
+                sample_with(*image, &position, *filter, *border, coords)
+            }
+        }
+    }
+}
