@@ -91,9 +91,8 @@ fn domes() -> Result<String, Failure> {
             let ((s, c), (z, level)) = (azimuth.sin_cos(), height.sin_cos());
             point(Point3::new(level * s, level * c, z))
         };
-        let rings = samples(0.0, 75.0, 5).map(|h| {
-            samples(0.0, 360.0, 72).map(|a| at(a.to_radians(), h.to_radians())).collect()
-        });
+        let rings = samples(0.0, 75.0, 5)
+            .map(|h| samples(0.0, 360.0, 72).map(|a| at(a.to_radians(), h.to_radians())).collect());
         let rays = samples(0.0, 345.0, 23)
             .map(|a| samples(0.0, 75.0, 15).map(|h| at(a.to_radians(), h.to_radians())).collect());
         rings.chain(rays).collect()

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `collinear render` | [`render::render_scene`] |
 //! | `collinear rectify` | [`rectify::Rectification`] |
+//! | `collinear reproject` | [`reproject::Reprojection`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |
@@ -11,12 +12,15 @@
 //! The mathematics is that of [`collinear`], the files are those of [`collinear_io`].
 
 pub mod convert;
+pub mod lookup;
+mod obj;
 pub mod overlay;
 mod photograph;
 mod picture;
 pub mod project;
 pub mod rectify;
 pub mod render;
+pub mod reproject;
 pub mod rpc;
 
 pub use picture::{LARGEST_AREA, LARGEST_SIDE, check_size};

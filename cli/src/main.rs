@@ -20,8 +20,8 @@ struct Program {
     command: Command,
 }
 
-const ABOUT: &str = "From photographs with known cameras: new views, rectified façades, projected \
-points, wire frames, camera files of other programs";
+const ABOUT: &str = "From photographs with known cameras: new views, panoramas and domes, rectified façades, \
+projected points, wire frames, camera files of other programs";
 
 const AFTER: &str = "\
 Image coordinates are pixels from the top-left corner of the top-left pixel, x right, y down; its \
@@ -35,6 +35,7 @@ an input too.";
 enum Command {
     Render(command::render::Arguments),
     Rectify(command::rectify::Arguments),
+    Reproject(command::reproject::Arguments),
     Project(command::project::Arguments),
     Overlay(command::overlay::Arguments),
     Convert(command::convert::Arguments),
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
     let result = match program.command {
         Command::Render(arguments) => arguments.run(),
         Command::Rectify(arguments) => arguments.run(),
+        Command::Reproject(arguments) => arguments.run(),
         Command::Project(arguments) => arguments.run(),
         Command::Overlay(arguments) => arguments.run(),
         Command::Convert(arguments) => arguments.run(),

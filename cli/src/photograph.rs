@@ -1,16 +1,92 @@
-//! A photograph's camera as what a plane map needs.
+//! A photograph's camera or scanner as what a plane map needs.
+
+use std::sync::Arc;
 
 use anyhow::{Error, anyhow};
 use collinear::ProjectionError;
-use collinear::camera::{Brown, BrownCamera, HomogeneousCamera};
+use collinear::camera::{Brown, BrownCamera, CentralModel, Frame, HomogeneousCamera, SensorModel};
 use collinear::error::Brief;
-use collinear::geometry::{Homography, Plane};
+use collinear::geometry::{Homography, Locus, Plane, Ray};
 use collinear::mapping::{
     CentralMap, CentralPhotographMap, Composed, DistortMap, FractionalLinear, Map, PhotographMap,
-    UndistortMap,
+    SensorMap, UndistortMap,
 };
-use collinear::nalgebra::Point2;
+use collinear::nalgebra::{Point2, Point3};
 use collinear_io::convert::{Camera, Central};
+use collinear_io::sensor::SensorFile;
+
+/// What a photograph was taken with.
+#[derive(Clone, Debug)]
+pub(crate) enum Photograph {
+    /// A camera, of whose models some have quicker maps than others.
+    Camera(Box<Camera>),
+    /// A sensor of any other kind.
+    Scanner(Arc<dyn SensorModel>),
+}
+
+impl Photograph {
+    pub(crate) fn new(file: &SensorFile) -> Result<Self, collinear_io::Error> {
+        Ok(match file {
+            SensorFile::Camera(camera) => Self::Camera(Box::new(camera.camera()?)),
+            SensorFile::Scanner(scanner) => Self::Scanner(scanner.sensor()?.into()),
+        })
+    }
+
+    /// The camera, where it is one.
+    pub(crate) fn camera(&self) -> Option<&Camera> {
+        match self {
+            Self::Camera(camera) => Some(camera),
+            Self::Scanner(_) => None,
+        }
+    }
+
+    pub(crate) fn sensor(&self) -> &dyn SensorModel {
+        match self {
+            Self::Camera(camera) => camera.sensor(),
+            Self::Scanner(scanner) => scanner,
+        }
+    }
+
+    pub(crate) fn into_sensor(self) -> Arc<dyn SensorModel> {
+        match self {
+            Self::Camera(camera) => camera.into_sensor().into(),
+            Self::Scanner(scanner) => scanner,
+        }
+    }
+
+    /// As a camera of one projection centre, where it is one.
+    pub(crate) fn into_central(self) -> Option<Frame<Arc<dyn CentralModel>>> {
+        let Self::Camera(camera) = self else { return None };
+        Some(match *camera {
+            Camera::Pinhole(f) => Frame::new(f.exterior, Arc::new(f.camera)),
+            Camera::Brown(f) => Frame::new(f.exterior, Arc::new(f.camera)),
+            Camera::Central(f) => Frame::new(f.exterior, f.camera),
+            Camera::Orthographic(_) => return None,
+        })
+    }
+
+    /// The line of sight in the middle of the picture, where it has one.
+    pub(crate) fn middle(&self, size: [u32; 2]) -> Option<Ray> {
+        let [x, y] = size.map(|s| 0.5 * f64::from(s));
+        match self.sensor().locus(&Point2::new(x, y)) {
+            Ok(Locus::Ray(ray)) => Some(ray),
+            _ => None,
+        }
+    }
+
+    /// A camera's projection centre; of other sensors where the middle line of sight begins.
+    pub(crate) fn eye(&self, size: [u32; 2]) -> Option<Point3<f64>> {
+        let exterior = match self.camera() {
+            Some(Camera::Pinhole(frame)) => frame.exterior,
+            Some(Camera::Brown(frame)) => frame.exterior,
+            Some(Camera::Central(frame)) => frame.exterior,
+            Some(Camera::Orthographic(_)) | None => {
+                return self.middle(size).map(|ray| ray.origin);
+            }
+        };
+        Some(exterior.projection_center())
+    }
+}
 
 /// A plane's map into a photograph.
 #[derive(Clone, Debug)]
@@ -21,15 +97,23 @@ pub(crate) enum PlaneMap {
     Brown(PhotographMap),
     /// To a plane of directions, and from there through any central model.
     Central(CentralPhotographMap<Central>),
+    /// Point by point through any sensor.
+    Scanner(SensorMap<HomogeneousCamera, Plane, Arc<dyn SensorModel>>),
 }
 
 impl PlaneMap {
     /// The map that a plane, a photograph and a screen share. The plane is clear of the screen's eye.
     pub(crate) fn new(
         plane: &Plane,
-        photograph: &Camera,
+        photograph: &Photograph,
         screen: &HomogeneousCamera,
     ) -> Result<Self, Error> {
+        let photograph = match photograph {
+            Photograph::Camera(camera) => camera.as_ref(),
+            Photograph::Scanner(scanner) => {
+                return Ok(Self::Scanner(SensorMap::new(*screen, *plane, Arc::clone(scanner))));
+            }
+        };
         let to = |texture: &HomogeneousCamera| {
             FractionalLinear::from_plane(plane, texture, screen)
                 .map_err(|e| in_user_words(e, photograph))
@@ -85,7 +169,7 @@ impl PlaneMap {
         match self {
             Self::Linear(linear) => linear.homography().map(Some),
             Self::Brown(map) => map.inner.homography().map(Some),
-            Self::Central(_) => Ok(None),
+            Self::Central(_) | Self::Scanner(_) => Ok(None),
         }
     }
 
@@ -99,6 +183,7 @@ impl PlaneMap {
             Self::Linear(map) => Box::new(map),
             Self::Brown(map) => Box::new(map),
             Self::Central(map) => Box::new(map),
+            Self::Scanner(map) => Box::new(map),
         }
     }
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow, ensure};
 use collinear::resample::ImageView;
-use collinear_io::camera::CameraFile;
 use collinear_io::picture::{Picture, read_picture};
+use collinear_io::sensor::SensorFile;
 
 /// The longest side of an output, in pixels.
 pub const LARGEST_SIDE: u32 = 70_000;
@@ -47,7 +47,7 @@ impl Rgb {
     }
 
     /// Reads a photograph and refuses it where its camera belongs to another size.
-    pub(crate) fn read_sized(path: &Path, camera: &CameraFile) -> Result<Self> {
+    pub(crate) fn read_sized(path: &Path, camera: &SensorFile) -> Result<Self> {
         let picture = Self::read(path)?;
         camera
             .check_picture_size(picture.width, picture.height)

@@ -1,5 +1,7 @@
 //! A scene file's view, drawn by the reference texturer.
 
+mod rays;
+
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
@@ -18,7 +20,7 @@ use collinear_io::convert::Camera;
 use collinear_io::picture::Picture;
 use collinear_io::scene::{self, Fill, Interpolation, Polygon, SceneFile};
 
-use crate::photograph::PlaneMap;
+use crate::photograph::{Photograph, PlaneMap};
 use crate::picture::{Rgb, check_size};
 
 /// Vertices farther from their common plane than this, as a part of the polygon's size, are told in the report.
@@ -80,12 +82,13 @@ impl fmt::Display for Remark {
 /// A polygon whose photograph's camera has no lens errors is drawn through
 /// [`FractionalLinear`](collinear::mapping::FractionalLinear) alone, one with Brown's lens through
 /// [`PhotographMap`](collinear::mapping::PhotographMap), any other through
-/// [`CentralPhotographMap`](collinear::mapping::CentralPhotographMap). What lies
-/// outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
+/// [`CentralPhotographMap`](collinear::mapping::CentralPhotographMap), one of a scanner point by point. A view that is neither pinhole nor
+/// orthographic, as a fisheye, a panorama or a scanner, is cast pixel by pixel with a
+/// [`RayCaster`](collinear::texturer::RayCaster). What lies outside its photograph stays undrawn. Opacity in pictures is passed over; grey becomes colour. A polygon that cannot be drawn, as one whose plane passes through the eye, is left out and
 /// [reported](Report::refused).
 ///
 /// # Errors
-/// A file that cannot be read, a photograph of another size than its camera's, a view with a lens or larger than
+/// A file that cannot be read, a photograph of another size than its camera's, a view larger than
 /// [`LARGEST_SIDE`](crate::LARGEST_SIDE) or [`LARGEST_AREA`](crate::LARGEST_AREA).
 pub fn render_scene(
     scene: &SceneFile,
@@ -93,17 +96,25 @@ pub fn render_scene(
     progress: &dyn Fn(usize, usize),
 ) -> Result<RenderedScene> {
     let scene = scene.resolved(folder)?;
-    let view = scene.view.camera(Path::new(""))?;
-    check_size(view.width, view.height).map_err(|e| anyhow!("view: {e}"))?;
-    let screen = match view.camera().map_err(|e| anyhow!("view: {e}"))? {
-        Camera::Pinhole(frame) => frame.homogeneous(),
-        Camera::Orthographic(camera) => camera.homogeneous(),
-        Camera::Brown(_) | Camera::Central(_) => {
-            return Err(anyhow!("view: has a lens, its model must be `pinhole` or `orthographic`"));
-        }
+    let view = scene.view.sensor(Path::new(""))?;
+    let [width, height] = view.size();
+    check_size(width, height).map_err(|e| anyhow!("view: {e}"))?;
+    let taken = Photograph::new(&view).map_err(|e| anyhow!("view: {e}"))?;
+    // A parallel view has no near distance, nor has one whose middle sees nothing a place to measure it from.
+    let eye = taken.eye([width, height]).unwrap_or_else(Point3::origin);
+    let near = scene.near_distance(&eye.into());
+    let screen = match taken.camera() {
+        Some(Camera::Pinhole(frame)) => Some(frame.homogeneous()),
+        Some(Camera::Orthographic(camera)) => Some(camera.homogeneous()),
+        _ => None,
     };
-    let near = scene.near_distance(Path::new(""))?;
-    let total = scene.photographs.len() + scene.textures.len() + scene.polygons.len();
+    if screen.is_none() && scene.interpolation != Interpolation::Perspective {
+        return Err(anyhow!(
+            "interpolation: wrong ones are drawn in a view of the model `pinhole` or `orthographic` alone"
+        ));
+    }
+    let work = if screen.is_some() { scene.polygons.len() } else { height as usize };
+    let total = scene.photographs.len() + scene.textures.len() + work;
     let mut done = 0;
     let mut step = || {
         done += 1;
@@ -111,57 +122,44 @@ pub fn render_scene(
     };
     progress(0, total);
     let sources = Sources::read(&scene, &mut step)?;
-
-    let (width, height) = (view.width as usize, view.height as usize);
-    let mut data = scene.background.repeat(width * height);
-    let mut report = Report::default();
-    {
-        let mut canvas = Canvas::new(ImageViewMut::<u8, 3>::new(&mut data, width, height)?);
-        let filter = match scene.filter {
-            scene::Filter::Nearest => Filter::Nearest,
-            scene::Filter::Bilinear => Filter::Bilinear,
-        };
-        let facing = match scene.cull {
-            scene::Cull::None => Facing::Both,
-            scene::Cull::Back => Facing::Front,
-        };
-        let mut draw = Draw {
-            sources: &sources,
-            screen: &screen,
-            near,
-            filter,
-            facing,
-            interpolation: scene.interpolation,
-            canvas: &mut canvas,
-        };
-        for (index, polygon) in scene.polygons.iter().enumerate() {
-            let remark = |text| Remark { polygon: index, name: polygon.name.clone(), text };
-            match draw.polygon(polygon) {
-                Ok(Outcome::Drawn { notes }) => {
-                    report.drawn += 1;
-                    report.notes.extend(notes.into_iter().map(remark));
-                }
-                Ok(Outcome::Culled) => report.culled += 1,
-                Ok(Outcome::Outside) => report.outside += 1,
-                Ok(Outcome::Nearer { depth }) => {
-                    report.outside += 1;
-                    let (depth, near) = (Brief(depth), Brief(near));
-                    let text = format!("lies up to a depth of {depth}, nearer than `near`, {near}");
-                    report.nearer.push(remark(text));
-                }
-                Err(reason) => report.refused.push(remark(reason)),
-            }
-            step();
+    let filter = match scene.filter {
+        scene::Filter::Nearest => Filter::Nearest,
+        scene::Filter::Bilinear => Filter::Bilinear,
+    };
+    let facing = match scene.cull {
+        scene::Cull::None => Facing::Both,
+        scene::Cull::Back => Facing::Front,
+    };
+    let mut data = scene.background.repeat(width as usize * height as usize);
+    let (columns, rows) = (width as usize, height as usize);
+    let report = match &screen {
+        Some(screen) => {
+            let mut canvas = Canvas::new(ImageViewMut::<u8, 3>::new(&mut data, columns, rows)?);
+            let interpolation = scene.interpolation;
+            let mut draw = Draw {
+                sources: &sources,
+                screen,
+                near,
+                filter,
+                facing,
+                interpolation,
+                canvas: &mut canvas,
+            };
+            draw.polygons(&scene.polygons, &mut step)
         }
-    }
-    let picture =
-        Picture { width: view.width, height: view.height, channels: 3, data, orientation: 1 };
+        None => {
+            let sensor = taken.sensor();
+            let cast = rays::Cast { sources: &sources, sensor, near, filter, facing };
+            cast.polygons(&scene.polygons, &mut data, columns, &mut step)?
+        }
+    };
+    let picture = Picture { width, height, channels: 3, data, orientation: 1 };
     Ok(RenderedScene { picture, report })
 }
 
 /// The pictures of a scene in memory, by name.
 struct Sources<'a> {
-    photographs: HashMap<&'a str, (Rgb, Camera)>,
+    photographs: HashMap<&'a str, (Rgb, Photograph)>,
     textures: HashMap<&'a str, (Rgb, Border)>,
 }
 
@@ -172,8 +170,9 @@ impl<'a> Sources<'a> {
         let mut photographs = HashMap::new();
         for (i, p) in scene.photographs.iter().enumerate() {
             if shown(&|f| matches!(f, Fill::Photograph(name) if *name == p.name)) {
-                let file = p.camera.camera(Path::new(""))?;
-                let camera = file.camera().map_err(|e| anyhow!("photographs[{i}].camera: {e}"))?;
+                let file = p.camera.sensor(Path::new(""))?;
+                let camera =
+                    Photograph::new(&file).map_err(|e| anyhow!("photographs[{i}].camera: {e}"))?;
                 let picture = Rgb::read_sized(&p.image, &file)
                     .map_err(|e| anyhow!("photographs[{i}].image: {e}"))?;
                 photographs.insert(p.name.as_str(), (picture, camera));
@@ -228,6 +227,31 @@ struct Draw<'a, 'b> {
 }
 
 impl Draw<'_, '_> {
+    /// Draws polygons, and tells what became of them.
+    fn polygons(&mut self, polygons: &[Polygon], step: &mut dyn FnMut()) -> Report {
+        let mut report = Report::default();
+        for (index, polygon) in polygons.iter().enumerate() {
+            let remark = |text| Remark { polygon: index, name: polygon.name.clone(), text };
+            match self.polygon(polygon) {
+                Ok(Outcome::Drawn { notes }) => {
+                    report.drawn += 1;
+                    report.notes.extend(notes.into_iter().map(remark));
+                }
+                Ok(Outcome::Culled) => report.culled += 1,
+                Ok(Outcome::Outside) => report.outside += 1,
+                Ok(Outcome::Nearer { depth }) => {
+                    report.outside += 1;
+                    let (depth, near) = (Brief(depth), Brief(self.near));
+                    let text = format!("lies up to a depth of {depth}, nearer than `near`, {near}");
+                    report.nearer.push(remark(text));
+                }
+                Err(reason) => report.refused.push(remark(reason)),
+            }
+            step();
+        }
+        report
+    }
+
     /// Whether a polygon of which nothing is left would be seen with a smaller near distance.
     fn hidden_by_near(&self, world: &[Point3<f64>]) -> Outcome {
         let depth_of = |p: &Point3<f64>| {

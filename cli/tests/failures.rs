@@ -10,7 +10,15 @@ fn help_tells_what_a_command_does_and_in_which_units() {
     for (command, essentials) in [
         (
             "render",
-            &["SCENE.json", "world", "pixels", "Example:", "collinear render", "--strict"][..],
+            &[
+                "SCENE.json",
+                "world",
+                "pixels",
+                "Examples:",
+                "--view",
+                "collinear render",
+                "--strict",
+            ][..],
         ),
         (
             "rectify",
@@ -24,6 +32,19 @@ fn help_tells_what_a_command_does_and_in_which_units() {
                 "--border",
                 "--map-out",
                 "world units",
+            ],
+        ),
+        (
+            "reproject",
+            &[
+                "--screen",
+                "--plane",
+                "--dome",
+                "--mesh",
+                "--far",
+                "--border",
+                "projector",
+                "line of sight",
             ],
         ),
         ("project", &["POINTS.csv", "--inverse", "id, X, Y, Z, x, y, status", "behind", "pixels"]),
@@ -40,7 +61,16 @@ fn help_tells_what_a_command_does_and_in_which_units() {
     }
     let run = folder.succeed(&["--help"]);
     assert!(joined(&run.stdout).contains("2 wrong usage"), "{}", run.stdout);
-    for essential in ["render", "rectify", "project", "overlay", "(0.5, 0.5)", "formats.md"] {
+    for essential in [
+        "render",
+        "rectify",
+        "reproject",
+        "project",
+        "overlay",
+        "convert",
+        "(0.5, 0.5)",
+        "formats.md",
+    ] {
         assert!(run.stdout.contains(essential), "{essential}\n{}", run.stdout);
     }
     assert!(folder.succeed(&["--version"]).stdout.starts_with("collinear 0."));
@@ -179,7 +209,7 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
     folder.write("missing.json", scene(&photo("gone.png", "camera.json"), shown, &view));
     folder.write("cut.json", scene(&photo("cut.png", "camera.json"), shown, &view));
     folder.write("size.json", scene(&photo("wide.png", "camera.json"), shown, &view));
-    folder.write("view.json", scene("", "", "\"lens.json\""));
+    folder.write("view.json", scene("", "", "\"lens.json\", \"interpolation\": \"linear\""));
     folder.write("eye.json", scene("", "", "\"gone.json\""));
     folder.write("dot.json", scene(&photo("photo.png", "."), shown, &view));
     folder.write("void.json", scene("", "", &view));
@@ -220,7 +250,10 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
             render("brick.json"),
             "brick.json: textures[0].image: gone.png: cannot be read: No such file",
         ),
-        (render("view.json"), "view.json: view.interior.model: is `brown`: a view has no lens"),
+        (
+            render("view.json"),
+            "view.json: interpolation: wrong ones are drawn in a view of the model `pinhole`",
+        ),
         (
             render("huge.json"),
             "huge.json: view: a picture of 4000000000 × 20 pixels: a side must be",

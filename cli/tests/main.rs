@@ -9,5 +9,6 @@ mod project;
 mod readme;
 mod rectify;
 mod render;
+mod reproject;
 mod support;
 mod town;

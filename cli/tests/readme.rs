@@ -47,7 +47,18 @@ fn the_commands_of_the_readme_run_as_they_stand() {
     let used: Vec<_> = commands.iter().map(|c| c[0].as_str()).collect();
     assert_eq!(
         used,
-        ["render", "render", "rectify", "rectify", "project", "project", "overlay", "convert"],
+        [
+            "render",
+            "render",
+            "render",
+            "reproject",
+            "rectify",
+            "rectify",
+            "project",
+            "project",
+            "overlay",
+            "convert"
+        ],
         "the readme's tasks"
     );
     for command in commands {

@@ -427,7 +427,7 @@ fn a_ground_is_looked_up_through_a_fisheye_where_opencv_says() {
     let plane = PlaneFile::parse(&ground("")).unwrap();
     // 20 pixels a unit from (−40, 40): (x/z, y/z) is a twentieth of the way.
     let rectangle = Rectangle { left: -40.0, bottom: -40.0, right: 40.0, top: 40.0 };
-    let made = Rectification::of_plane(&plane, &rectangle, &camera, 1600, 1600).unwrap();
+    let made = Rectification::of_plane(&plane, &rectangle, &camera.into(), 1600, 1600).unwrap();
     assert!(made.through_lens() && made.homography().is_none() && !made.is_mirrored());
     for ([x, y], [u, v]) in DISTORTED {
         let screen = Point2::new(20.0 * (10.0 * x + 40.0), 20.0 * (10.0 * y + 40.0));
@@ -455,7 +455,7 @@ fn a_ground_far_from_the_origin_is_looked_up_to_the_last_digits() {
         let camera = CameraFile::parse(&document("camera", &camera)).unwrap();
         let rectangle = Rectangle { left: -5.0, bottom: -5.0, right: 5.0, top: 5.0 };
         let plane = PlaneFile::parse(&plane).unwrap();
-        Rectification::of_plane(&plane, &rectangle, &camera, 100, 100).unwrap()
+        Rectification::of_plane(&plane, &rectangle, &camera.clone().into(), 100, 100).unwrap()
     };
     let (near, far) = (file([0.0, 0.0]), file([691_234.0, 5_334_321.0]));
     for p in [[0.0, 0.0], [99.5, 3.25], [50.0, 50.0], [20.0, 100.0]].map(Point2::from) {

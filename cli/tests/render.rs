@@ -292,9 +292,83 @@ fn a_photograph_is_looked_up_through_any_central_model() {
             }
         }
     }
-    let fisheye = looking_down([80, 60], &format!(r#""model": "fisheye", {pixels}"#));
-    folder.write("scene.json", scene("", &square(1.0, 0.0, RED), &fisheye, ""));
-    let run = folder.run(&["render", "scene.json", "-o", "view.png"]);
-    let told = "scene.json: view.interior.model: is `fisheye`: a view has no lens, its model is `pinhole` or `orthographic`";
-    assert!(run.code == 1 && run.stderr.contains(told), "{}", run.stderr);
+}
+
+/// From 10 above, a pixel for each degree: the square's edge is at 45° along the axes, its corners at atan √2 = 54.7°.
+#[test]
+fn a_view_may_be_a_fisheye_a_panorama_or_a_scanner() {
+    let folder = Folder::new();
+    let degree = 180.0 / std::f64::consts::PI;
+    let fisheye = looking_down(
+        [160, 160],
+        &format!(
+            r#""model": "fisheye", "principal_distance": [{degree}, {degree}], "principal_point": [80, 80]"#
+        ),
+    );
+    folder.write("scene.json", scene("", &square(10.0, 0.0, RED), &fisheye, ""));
+    folder.succeed(&["render", "scene.json", "-o", "fisheye.png"]);
+    let picture = folder.picture("fisheye.png");
+    let red = |x: u32, y: u32| pixel(&picture, x, y) == [200, 0, 0];
+    assert!(red(80 + 44, 80) && !red(80 + 45, 80) && red(80, 79 - 44) && !red(80, 79 - 45));
+    // 38.5 pixels along both axes are 54.4°, 39.5 are 55.9°.
+    assert!(red(80 + 38, 80 + 38) && !red(80 + 39, 80 + 39));
+
+    // A whole panorama about a level camera that looks north sees the ground from atan(√2) below the horizon on at its corners.
+    let level = r#""width": 360, "height": 180, "interior": { "model": "equirectangular" },
+        "exterior": { "projection_center": [0, 0, 10], "rotation_matrix": [[1, 0, 0], [0, 0, -1], [0, 1, 0]] }"#;
+    folder.write("pano.json", document("camera", level));
+    folder.succeed(&["render", "scene.json", "--view", "pano.json", "-o", "pano.png"]);
+    let picture = folder.picture("pano.png");
+    let red = |x: u32, y: u32| pixel(&picture, x, y) == [200, 0, 0];
+    // North, at column 180, the edge is 45° down; to the north-east 90° − 54.7° = 35.3°.
+    assert!(red(180, 135) && !red(180, 134) && red(225, 126) && !red(225, 124));
+    // Straight down on every column.
+    assert!((0..360).all(|x| red(x, 179)));
+
+    // A push broom that flies east at a tenth of a unit a line; a pixel is a tenth of a unit too.
+    let scanner = r#""width": 100, "height": 300,
+        "scan": { "kind": "pushbroom", "row": 0.5, "per_line": 1 },
+        "interior": { "model": "pinhole", "principal_distance": [100, 100], "principal_point": [50, 0.5] },
+        "trajectory": { "exterior": { "projection_center": [-15, 0, 10],
+            "rotation_matrix": [[0, 1, 0], [1, 0, 0], [0, 0, -1]] },
+            "position_polynomial": [[0, 0, 0], [0.1, 0, 0]] }"#;
+    folder.write("strip.json", document("scanner", scanner));
+    folder.write("small.json", scene("", &square(4.0, 0.0, RED), &fisheye, ""));
+    folder.succeed(&["render", "small.json", "--view", "strip.json", "-o", "strip.png"]);
+    let picture = folder.picture("strip.png");
+    for (x, y) in [(10, 110), (89, 110), (10, 189), (89, 189), (50, 150)] {
+        assert_eq!(pixel(&picture, x, y), [200, 0, 0], "({x}, {y})");
+    }
+    for (x, y) in [(9, 150), (90, 150), (50, 109), (50, 190)] {
+        assert_eq!(pixel(&picture, x, y), [0, 0, 0], "({x}, {y})");
+    }
+}
+
+/// The strip of a scanner is projected on the ground that it was taken of.
+#[test]
+fn a_photograph_may_be_a_scanners() {
+    let folder = Folder::new();
+    // A pixel is 0.1; line y is flown at X = −1 + 0.1 y, and pixel x sees Y = 0.1 (x − 10).
+    let scanner = r#"{ "scanner": { "width": 20, "height": 20,
+        "scan": { "kind": "pushbroom", "row": 0.5, "per_line": 1 },
+        "interior": { "model": "pinhole", "principal_distance": [100, 100], "principal_point": [10, 0.5] },
+        "trajectory": { "exterior": { "projection_center": [-1, 0, 10],
+            "rotation_matrix": [[0, 1, 0], [1, 0, 0], [0, 0, -1]] },
+            "position_polynomial": [[0, 0, 0], [0.1, 0, 0]] } } }"#;
+    folder.draw("strip.png", [20, 20], label);
+    let photographs = format!(
+        r#""photographs": [{{ "name": "s", "image": "strip.png", "camera": {scanner} }}],"#
+    );
+    let fill = r#""photograph": "s""#;
+    let view = map_view(20, 20);
+    folder.write(
+        "scene.json",
+        scene(&photographs, &square(1.0, 0.0, fill), &view, r#", "filter": "nearest""#),
+    );
+    folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let picture = folder.picture("view.png");
+    for (x, y) in [(0, 0), (19, 3), (7, 12), (10, 19)] {
+        // The view's pixel is at X = 0.1 (x − 9.5), Y = −0.1 (y − 9.5): line x, pixel 19 − y.
+        assert_eq!(pixel(&picture, x, y), label(19 - y, x), "({x}, {y})");
+    }
 }

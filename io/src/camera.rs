@@ -10,8 +10,8 @@ pub use lens::{FisheyeProjection, Lens};
 
 use raw::RawInterior;
 
-use crate::check::{all_in_range, determinant, dot, finite, in_range, norm};
-use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
+use crate::check::{all_in_range, determinant, dot, finite, in_range, norm, one_size};
+use crate::error::{Error, FieldError, FieldProblem};
 use crate::json::Document;
 use crate::json::object::Object;
 
@@ -165,13 +165,9 @@ impl CameraFile {
     /// Refuses a picture of another size than the camera's.
     ///
     /// # Errors
-    /// [`ErrorKind::PictureSize`].
+    /// [`ErrorKind::PictureSize`](crate::ErrorKind::PictureSize).
     pub fn check_picture_size(&self, width: u32, height: u32) -> Result<(), Error> {
-        if (width, height) == (self.width, self.height) {
-            return Ok(());
-        }
-        let (picture, camera) = ([width, height], [self.width, self.height]);
-        Err(ErrorKind::PictureSize { picture, camera }.into())
+        one_size([width, height], [self.width, self.height])
     }
 }
 

@@ -1,6 +1,6 @@
 //! Checks that several formats share.
 
-use crate::error::{FieldError, FieldProblem};
+use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
 
 pub(crate) fn in_range(
     field: &str,
@@ -63,4 +63,12 @@ pub(crate) fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
 /// The determinant of three rows.
 pub(crate) fn determinant(m: &[[f64; 3]; 3]) -> f64 {
     dot(&m[0], &cross(&m[1], &m[2]))
+}
+
+/// Refuses a picture of another size than its camera's.
+pub(crate) fn one_size(picture: [u32; 2], camera: [u32; 2]) -> Result<(), Error> {
+    if picture == camera {
+        return Ok(());
+    }
+    Err(ErrorKind::PictureSize { picture, camera }.into())
 }

@@ -4,19 +4,19 @@ mod scanner;
 
 use std::sync::Arc;
 
-use collinear::ProjectionError;
 use collinear::camera::{
     Brown, BrownCamera, CentralCamera, CentralModel, ExteriorOrientation, Frame,
     InteriorOrientation, Orthographic, Panorama, SensorModel, brown_from_colmap, from_colmap,
 };
 use collinear::geometry::geodetic::GeoidGrid;
 use collinear::geometry::rotation::{OmegaPhiKappa, Quaternion, orthonormalised};
-use collinear::geometry::{Affine2, Homography, Plane};
+use collinear::geometry::{Affine2, Dome, Homography, Plane};
 use collinear::mapping::polynomial::{Bilinear, Cubic, Quadratic};
 use collinear::mapping::{FractionalLinear, Map};
-use collinear::nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector3};
+use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
 
 use crate::camera::{CameraFile, Exterior, Interior, Rotation};
+use crate::dome::DomeFile;
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
 use crate::gtx::GtxFile;
 use crate::json::Document;
@@ -61,25 +61,7 @@ impl Camera {
 }
 
 /// A camera of one projection centre, of whichever model.
-#[derive(Clone, Debug)]
-pub struct Central(Arc<dyn CentralModel>);
-
-impl CentralModel for Central {
-    fn project_direction(&self, direction: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {
-        self.0.project_direction(direction)
-    }
-
-    fn project_direction_jacobian(
-        &self,
-        direction: &Vector3<f64>,
-    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
-        self.0.project_direction_jacobian(direction)
-    }
-
-    fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
-        self.0.direction(image)
-    }
-}
+pub type Central = Arc<dyn CentralModel>;
 
 impl CameraFile {
     /// The library's camera.
@@ -183,11 +165,11 @@ impl Interior {
                 let model = lens.central(interior).map_err(|(field, source)| {
                     Error::from(ErrorKind::Library { field: format!("interior.{field}"), source })
                 })?;
-                Model::Central(Central(model))
+                Model::Central(model)
             }
             Self::Panorama { projection, principal_distance, principal_point } => {
                 let interior = panorama(*projection, *principal_distance, *principal_point, size)?;
-                Model::Central(Central(Arc::new(CentralCamera::ideal(interior, *projection))))
+                Model::Central(Arc::new(CentralCamera::ideal(interior, *projection)))
             }
             Self::Colmap { model, parameters } => {
                 let refused = in_field("interior.parameters");
@@ -195,7 +177,7 @@ impl Interior {
                     Some(camera) => Model::Brown(camera),
                     None => {
                         let model = from_colmap(model, parameters).map_err(refused)?;
-                        Model::Central(Central(Arc::from(model)))
+                        Model::Central(Arc::from(model))
                     }
                 }
             }
@@ -251,6 +233,19 @@ impl Exterior {
             projection_center: exterior.projection_center().into(),
             rotation: Rotation::QuaternionWxyz([q.w, q.x, q.y, q.z]),
         }
+    }
+}
+
+impl DomeFile {
+    /// The library's dome.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Field`] and [`ErrorKind::Library`] for values outside their domain.
+    pub fn dome(&self) -> Result<Dome, Error> {
+        self.check()?;
+        let axis = Vector3::from(self.axis);
+        Dome::new(self.center.into(), self.radius, axis, self.half_angle_deg.to_radians())
+            .map_err(in_field("dome"))
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | what | module | format |
 //! | --- | --- | --- |
-//! | camera, scanner, plane, map, scene | [`camera`], [`scanner`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
+//! | camera, scanner, plane, dome, map, scene | [`camera`], [`scanner`], [`plane`], [`dome`], [`map`], [`scene`] | JSON, `docs/formats.md` |
 //! | a sensor of any kind | [`sensor`] | one of the above |
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
 //! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
@@ -48,6 +48,7 @@ pub mod bundler;
 pub mod camera;
 pub mod colmap;
 pub mod convert;
+pub mod dome;
 pub mod gpu;
 pub mod gtx;
 pub mod map;

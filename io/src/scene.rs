@@ -7,15 +7,19 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{
+    self, Deserialize, DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, Visitor,
+};
+use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize as DeriveDeserialize, Serialize};
 
 pub use polygon::{Fill, Polygon, TexturePoint};
 
-use crate::camera::{CameraFile, Interior};
+use crate::camera::CameraFile;
 use crate::check::{in_range, norm};
 use crate::error::{Error, FieldError, FieldProblem};
 use crate::json::{Document, object};
+use crate::sensor::SensorFile;
 
 /// The near distance, where the file gives none, as a part of the distance to the farthest vertex.
 const NEAR: f64 = 1e-6;
@@ -32,12 +36,13 @@ pub struct SceneFile {
     pub textures: Vec<Texture>,
     /// What is to be seen.
     pub polygons: Vec<Polygon>,
-    /// The camera of the picture to make: pinhole or orthographic.
-    pub view: CameraSource,
+    /// The camera of the picture to make, or the scanner.
+    pub view: SensorSource,
     /// The colour where no polygon is: red, green, blue.
     #[serde(default)]
     pub background: [u8; 3],
-    /// The depth, in world units along the view's axis, before which nothing is drawn.
+    /// The depth, in world units along the view's axis, before which nothing is drawn; along the line of sight where the view
+    /// is neither pinhole nor orthographic.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<f64>,
     /// Which polygons are drawn, by the side that they show.
@@ -59,8 +64,8 @@ pub struct Photograph {
     pub name: String,
     /// The picture, relative to the scene file.
     pub image: PathBuf,
-    /// Its camera.
-    pub camera: CameraSource,
+    /// Its camera or scanner.
+    pub camera: SensorSource,
 }
 
 /// A picture to be laid on by texture coordinates.
@@ -76,13 +81,12 @@ pub struct Texture {
     pub border: Border,
 }
 
-/// A camera, or the file that has it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum CameraSource {
-    /// The camera.
-    Inline(CameraFile),
-    /// A camera file, relative to the scene file.
+/// A camera or a scanner, or the file that has it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SensorSource {
+    /// The camera itself, or the scanner under the key `scanner`.
+    Inline(SensorFile),
+    /// A camera file or a scanner file, relative to the scene file.
     File(PathBuf),
 }
 
@@ -168,14 +172,6 @@ impl Document for SceneFile {
             }
         }
         self.view.check().map_err(|e| e.under("view"))?;
-        if let CameraSource::Inline(CameraFile { interior, .. }) = &self.view
-            && !matches!(interior, Interior::Pinhole { .. } | Interior::Orthographic { .. })
-        {
-            let expected = "a view has no lens, its model is `pinhole` or `orthographic`";
-            let found = interior.model().into();
-            let problem = FieldProblem::Unsupported { found, expected };
-            return Err(FieldError::new("view.interior.model", problem));
-        }
         self.near.map_or(Ok(()), |n| in_range("near", n, "a finite number above 0", |v| v > 0.0))
     }
 }
@@ -231,85 +227,136 @@ impl SceneFile {
         let mut files = Vec::new();
         for (i, photograph) in self.photographs.iter().enumerate() {
             files.push((format!("photographs[{i}].image"), folder.join(&photograph.image)));
-            if let CameraSource::File(path) = &photograph.camera {
+            if let SensorSource::File(path) = &photograph.camera {
                 files.push((format!("photographs[{i}].camera"), folder.join(path)));
             }
         }
         for (i, texture) in self.textures.iter().enumerate() {
             files.push((format!("textures[{i}].image"), folder.join(&texture.image)));
         }
-        if let CameraSource::File(path) = &self.view {
+        if let SensorSource::File(path) = &self.view {
             files.push(("view".into(), folder.join(path)));
         }
         files
     }
 
-    /// The near distance: the file's, or 10⁻⁶ of the distance from the view's projection centre to the farthest vertex.
-    ///
-    /// # Errors
-    /// That of the view's camera file, where it stands in one. A resolved scene has no such error.
-    pub fn near_distance(&self, folder: &Path) -> Result<f64, Error> {
+    /// The near distance: the file's, or 10⁻⁶ of the distance from the eye to the farthest vertex.
+    #[must_use]
+    pub fn near_distance(&self, eye: &[f64; 3]) -> f64 {
         if let Some(near) = self.near {
-            return Ok(near);
+            return near;
         }
-        let eye = self.view.camera(folder)?.exterior.projection_center;
         let distance = |v: &[f64; 3]| norm(&[v[0] - eye[0], v[1] - eye[1], v[2] - eye[2]]);
         let farthest =
             self.polygons.iter().flat_map(|p| &p.vertices).map(distance).fold(0.0, f64::max);
         // All vertices in the eye: nothing will be drawn, and any positive distance says so.
         let near = if farthest > 0.0 { NEAR * farthest.min(f64::MAX) } else { NEAR };
         // A subnormal distance has no millionth.
-        Ok(near.max(f64::MIN_POSITIVE))
+        near.max(f64::MIN_POSITIVE)
     }
 }
 
-impl CameraSource {
-    /// The camera, read from its file where it stands in one.
+impl SensorSource {
+    /// The camera or scanner, read from its file where it stands in one.
     ///
     /// # Errors
-    /// That of the camera file.
-    pub fn camera(&self, folder: &Path) -> Result<CameraFile, Error> {
+    /// That of the file.
+    pub fn sensor(&self, folder: &Path) -> Result<SensorFile, Error> {
         match self {
-            Self::Inline(camera) => Ok(camera.clone()),
-            Self::File(path) => CameraFile::read(&folder.join(path)),
+            Self::Inline(sensor) => Ok(sensor.clone()),
+            Self::File(path) => SensorFile::read(&folder.join(path)),
         }
     }
 
     fn resolve(&mut self, folder: &Path) -> Result<(), Error> {
-        *self = Self::Inline(self.camera(folder)?);
+        *self = Self::Inline(self.sensor(folder)?);
         Ok(())
     }
 
     fn check(&self) -> Result<(), FieldError> {
         match self {
-            Self::Inline(camera) => camera.check(),
+            Self::Inline(SensorFile::Camera(camera)) => camera.check(),
+            Self::Inline(SensorFile::Scanner(scanner)) => {
+                scanner.check().map_err(|e| e.under(SCANNER))
+            }
             Self::File(_) => Ok(()),
         }
     }
 }
 
+/// The key of a scanner that stands where a camera may.
+const SCANNER: &str = "scanner";
+
+impl Serialize for SensorSource {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Inline(SensorFile::Camera(camera)) => camera.serialize(serializer),
+            Self::Inline(SensorFile::Scanner(scanner)) => {
+                let mut map = serializer.serialize_map(Some(1))?;
+                map.serialize_entry(SCANNER, scanner)?;
+                map.end()
+            }
+            Self::File(path) => path.serialize(serializer),
+        }
+    }
+}
+
 // By hand, since an untagged enum forgets where in the file an error is.
-impl<'de> Deserialize<'de> for CameraSource {
+impl<'de> Deserialize<'de> for SensorSource {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Source;
 
         impl<'de> Visitor<'de> for Source {
-            type Value = CameraSource;
+            type Value = SensorSource;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a camera or the path of a camera file")
             }
 
-            fn visit_str<E: de::Error>(self, path: &str) -> Result<CameraSource, E> {
-                Ok(CameraSource::File(path.into()))
+            fn visit_str<E: de::Error>(self, path: &str) -> Result<SensorSource, E> {
+                Ok(SensorSource::File(path.into()))
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<CameraSource, A::Error> {
-                CameraFile::deserialize(MapAccessDeserializer::new(map)).map(CameraSource::Inline)
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SensorSource, A::Error> {
+                let first: Option<String> = map.next_key()?;
+                if first.as_deref() != Some(SCANNER) {
+                    let whole = MapAccessDeserializer::new(WithFirst { first, map });
+                    let camera = CameraFile::deserialize(whole)?;
+                    return Ok(SensorSource::Inline(SensorFile::Camera(camera)));
+                }
+                let scanner = map.next_value()?;
+                match map.next_key::<String>()? {
+                    None => Ok(SensorSource::Inline(SensorFile::Scanner(scanner))),
+                    Some(key) => Err(de::Error::unknown_field(&key, &[SCANNER])),
+                }
             }
         }
 
         deserializer.deserialize_any(Source)
+    }
+}
+
+/// The entries of a map whose first key has been read.
+struct WithFirst<A> {
+    first: Option<String>,
+    map: A,
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for WithFirst<A> {
+    type Error = A::Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, A::Error> {
+        match self.first.take() {
+            Some(key) => seed.deserialize(key.into_deserializer()).map(Some),
+            None => self.map.next_key_seed(seed),
+        }
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
+        self.map.next_value_seed(seed)
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use collinear::camera::SensorModel;
 
 use crate::camera::CameraFile;
+use crate::check::one_size;
 use crate::convert::Camera;
 use crate::error::{Error, ErrorKind};
 use crate::json::{Document, kind_of, read_text};
@@ -17,6 +18,12 @@ pub enum SensorFile {
     Camera(CameraFile),
     /// A scan.
     Scanner(Box<ScannerFile>),
+}
+
+impl From<CameraFile> for SensorFile {
+    fn from(camera: CameraFile) -> Self {
+        Self::Camera(camera)
+    }
 }
 
 impl SensorFile {
@@ -51,6 +58,14 @@ impl SensorFile {
             Self::Camera(camera) => [camera.width, camera.height],
             Self::Scanner(scanner) => [scanner.width, scanner.height],
         }
+    }
+
+    /// Refuses a picture of another size than the sensor's.
+    ///
+    /// # Errors
+    /// [`ErrorKind::PictureSize`].
+    pub fn check_picture_size(&self, width: u32, height: u32) -> Result<(), Error> {
+        one_size([width, height], self.size())
     }
 
     /// The library's sensor.

@@ -2,6 +2,7 @@
 
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
+use collinear_io::dome::DomeFile;
 use collinear_io::map::MapFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::parse_points;
@@ -109,6 +110,10 @@ fn the_examples_of_the_formats_page_are_files() {
                     .unwrap_or_else(|e| panic!("{e}\n{text}"));
             }
             "plane" => survives::<PlaneFile>(text),
+            "dome" => {
+                survives::<DomeFile>(text);
+                DomeFile::parse(text).unwrap().dome().unwrap();
+            }
             "map" => survives::<MapFile>(text),
             "rpc" => {
                 survives::<RpcFile>(text);
@@ -119,7 +124,7 @@ fn the_examples_of_the_formats_page_are_files() {
         }
     }
     kinds.dedup();
-    assert_eq!(kinds, ["camera", "scanner", "plane", "map", "rpc", "scene"]);
+    assert_eq!(kinds, ["camera", "scanner", "plane", "dome", "map", "rpc", "scene"]);
     for text in blocks(&page, "csv") {
         assert_eq!(parse_points(text).unwrap().len(), 2);
     }

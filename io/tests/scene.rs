@@ -2,13 +2,17 @@
 
 use collinear_io::camera::CameraFile;
 use collinear_io::scene::{
-    Border, CameraSource, Cull, Fill, Filter, Interpolation, SceneFile, TexturePoint,
+    Border, Cull, Fill, Filter, Interpolation, SceneFile, SensorSource, TexturePoint,
 };
-use collinear_io::{Document, ErrorKind, FieldError};
+use collinear_io::sensor::SensorFile;
+use collinear_io::{Document, ErrorKind};
 
 const CAMERA: &str = r#"{ "width": 640, "height": 480,
   "interior": { "model": "pinhole", "principal_distance": [500, 500], "principal_point": [320, 240] },
   "exterior": { "projection_center": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0] } }"#;
+
+/// Where [`CAMERA`] stands.
+const EYE: [f64; 3] = [0.0; 3];
 
 const SCENE: &str = r#"{ "collinear": "scene", "version": 1,
 "photographs": [
@@ -42,7 +46,7 @@ fn a_scene_has_the_documented_defaults() {
     );
     assert_eq!(scene.textures[0].border, Border::Repeat);
     // The farthest vertex is (30, 0, 40), 50 away.
-    assert!((scene.near_distance("".as_ref()).unwrap() - 5e-5).abs() < 1e-18);
+    assert!((scene.near_distance(&EYE) - 5e-5).abs() < 1e-18);
     let Fill::Texture { coordinates, .. } = &scene.polygons[1].fill else { panic!("a texture") };
     assert_eq!(coordinates[1], TexturePoint { u: 8.0, v: 0.0, w: 1.0 });
     assert_eq!(coordinates[2], TexturePoint { u: 8.0, v: 8.0, w: 2.0 });
@@ -53,7 +57,7 @@ fn a_scene_has_the_documented_defaults() {
     )
     .unwrap();
     assert_eq!(bare.textures[0].border, Border::Clamp);
-    assert_eq!(bare.near_distance("".as_ref()).unwrap(), 2.5);
+    assert_eq!(bare.near_distance(&EYE), 2.5);
 }
 
 #[test]
@@ -203,13 +207,56 @@ fn shapes_are_checked_with_the_path_to_the_field() {
 }
 
 #[test]
-fn a_view_has_no_lens() {
-    let view = format!("\"view\": {}", CAMERA.replace("pinhole", "brown"));
-    let got = error("\"view\": CAMERA", &view);
-    assert_eq!(
-        got,
-        "view.interior.model: is `brown`: a view has no lens, its model is `pinhole` or `orthographic`"
+fn a_view_and_a_photograph_may_be_of_any_model_and_of_a_scanner() {
+    for model in [
+        r#""model": "brown", "k": [0.1, 0, 0]"#,
+        r#""model": "fisheye", "projection": "equidistant""#,
+        r#""model": "cylindrical""#,
+    ] {
+        let camera = CAMERA.replace(r#""model": "pinhole""#, model);
+        let scene = parse("\"view\": CAMERA", &format!("\"view\": {camera}")).unwrap();
+        assert_eq!(SceneFile::parse(&scene.to_json().unwrap()).unwrap(), scene);
+    }
+    let scanner = r#"{ "width": 640, "height": 100,
+        "scan": { "kind": "pushbroom", "row": 0.5, "per_line": 1 },
+        "interior": { "model": "pinhole", "principal_distance": [500, 500], "principal_point": [320, 0.5] },
+        "trajectory": { "exterior": { "projection_center": [0, 0, 9], "quaternion_wxyz": [0, 1, 0, 0] },
+            "position_polynomial": [[0, 0, 0], [0, 0.2, 0]] } }"#;
+    let inline = format!(r#"{{ "scanner": {scanner} }}"#);
+    for key in ["\"view\": CAMERA", "\"camera\": CAMERA"] {
+        let scene = parse(key, &key.replace("CAMERA", &inline)).unwrap();
+        let source = if key.contains("view") { &scene.view } else { &scene.photographs[0].camera };
+        let SensorSource::Inline(SensorFile::Scanner(file)) = source else { panic!("{source:?}") };
+        assert_eq!((file.width, file.height), (640, 100));
+        assert_eq!(SceneFile::parse(&scene.to_json().unwrap()).unwrap(), scene);
+    }
+    // Errors have the path of the bad field, behind the key and without it.
+    let bad = inline.replace("\"width\": 640", "\"width\": true");
+    let got = error("\"view\": CAMERA", &format!("\"view\": {bad}"));
+    assert!(got.starts_with("view.scanner.width: expected a whole number"), "{got}");
+    let got = error("\"view\": CAMERA", &format!("\"view\": {}", inline.replace("640", "0")));
+    assert!(got.starts_with("view.scanner.width: is 0"), "{got}");
+    let got = error("\"view\": CAMERA", "\"view\": {}");
+    assert!(got.starts_with("view: missing field `width`"), "{got}");
+    let more = inline.replacen("\"scanner\"", "\"width\": 3, \"scanner\"", 1);
+    let got = error("\"view\": CAMERA", &format!("\"view\": {more}"));
+    assert!(got.contains("scanner"), "{got}");
+    let more = format!(r#"{{ "scanner": {scanner}, "width": 3 }}"#);
+    let got = error("\"view\": CAMERA", &format!("\"view\": {more}"));
+    assert!(got.contains("width"), "{got}");
+    // A file may be either.
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "strip.json",
+        &scanner.replacen('{', "{ \"collinear\": \"scanner\", \"version\": 1, ", 1),
     );
+    write(
+        "scene.json",
+        &SCENE.replace("\"view\": CAMERA", "\"view\": \"strip.json\"").replace("CAMERA", CAMERA),
+    );
+    let scene = SceneFile::open(&folder.path().join("scene.json")).unwrap();
+    assert!(matches!(scene.view, SensorSource::Inline(SensorFile::Scanner(_))));
 }
 
 #[test]
@@ -223,7 +270,7 @@ fn camera_files_are_found_from_the_scene_and_named_in_its_errors() {
     let path = folder.path().join("scene.json");
 
     let scene = SceneFile::read(&path).unwrap();
-    assert_eq!(scene.photographs[0].camera, CameraSource::File("cameras/n.json".into()));
+    assert_eq!(scene.photographs[0].camera, SensorSource::File("cameras/n.json".into()));
     let missing = SceneFile::open(&path).unwrap_err();
     assert_eq!(missing.path(), Some(folder.path().join("cameras/n.json").as_path()));
     assert_eq!(missing.field(), Some("photographs[0].camera"));
@@ -254,20 +301,9 @@ fn camera_files_are_found_from_the_scene_and_named_in_its_errors() {
 
     write("cameras/n.json", &file);
     let open = SceneFile::open(&path).unwrap();
-    assert_eq!(open.photographs[0].camera, CameraSource::Inline(CameraFile::parse(&file).unwrap()));
+    assert_eq!(
+        open.photographs[0].camera,
+        SensorSource::Inline(CameraFile::parse(&file).unwrap().into())
+    );
     assert_eq!(open.photographs[1].image, folder.path().join("pictures/s.jpg"));
-
-    write(
-        "scene.json",
-        &SCENE
-            .replace("\"view\": CAMERA", "\"view\": \"cameras/n.json\"")
-            .replace("CAMERA", CAMERA),
-    );
-    write("cameras/n.json", &file.replace("pinhole", "brown"));
-    let lens = SceneFile::open(&path).unwrap_err();
-    assert!(
-        matches!(lens.kind(), ErrorKind::Field(FieldError { field, .. }) if field == "view.interior.model"),
-        "{lens}"
-    );
-    assert_eq!(lens.path(), Some(path.as_path()));
 }

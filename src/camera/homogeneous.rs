@@ -1,9 +1,10 @@
 //! Cameras without lens errors as matrices, perspective and parallel alike.
 
-use nalgebra::{Matrix3x4, Matrix4x3, Point3, Vector3, Vector4};
+use nalgebra::{Matrix2x3, Matrix3x4, Matrix4x3, Point2, Point3, Vector3, Vector4};
 
-use super::{ExteriorOrientation, InteriorOrientation};
-use crate::geometry::Affine2;
+use super::{ExteriorOrientation, InteriorOrientation, SensorModel, collinearity};
+use crate::error::ProjectionError;
+use crate::geometry::{Affine2, Locus, Ray, Surface};
 
 /// A camera that is linear in homogeneous coordinates.
 ///
@@ -114,5 +115,68 @@ impl HomogeneousCamera {
     #[must_use]
     pub fn origin(&self) -> Point3<f64> {
         self.origin
+    }
+
+    /// The pixel of a world point, given from this camera's origin, and w.
+    ///
+    /// # Errors
+    /// [`ProjectionError::BehindCamera`], [`ProjectionError::NotFinite`].
+    pub(crate) fn project_offset(
+        &self,
+        from_origin: &Vector3<f64>,
+    ) -> Result<(Point2<f64>, f64), ProjectionError> {
+        let h = self.image_from_world * from_origin.push(1.0);
+        if h.z > 0.0 {
+            Ok((Point2::new(h.x / h.z, h.y / h.z), h.z))
+        } else if h.z.is_nan() {
+            Err(ProjectionError::NotFinite)
+        } else {
+            Err(ProjectionError::BehindCamera { depth: h.z })
+        }
+    }
+
+    fn line(&self, image: &Point2<f64>) -> Result<Ray, ProjectionError> {
+        let on_line = (self.back_projection * Vector3::new(image.x, image.y, 1.0)).xyz();
+        let (origin, direction) = if self.is_parallel() {
+            (self.origin + on_line, self.center.xyz())
+        } else {
+            (self.origin, on_line)
+        };
+        Ray::new(origin, direction).map_err(|_| ProjectionError::NotFinite)
+    }
+}
+
+impl SensorModel for HomogeneousCamera {
+    fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
+        collinearity::finite(self.project_offset(&(world - self.origin))?.0)
+    }
+
+    /// ∂(x, y)/∂X = (M₁₂ − (x, y) M₃)/w.
+    fn project_jacobian(
+        &self,
+        world: &Point3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+        let (image, w) = self.project_offset(&(world - self.origin))?;
+        let m = self.image_from_world.fixed_columns::<3>(0);
+        let jacobian = (m.fixed_rows::<2>(0) - image.coords * m.row(2)) / w;
+        if jacobian.iter().all(|e| e.is_finite()) {
+            Ok((collinearity::finite(image)?, jacobian))
+        } else {
+            Err(ProjectionError::NotFinite)
+        }
+    }
+
+    fn locus(&self, image: &Point2<f64>) -> Result<Locus, ProjectionError> {
+        self.line(image).map(Locus::Ray)
+    }
+
+    /// Along a parallel line of sight the first point from O's plane on; failing that, the first against it.
+    fn ground(
+        &self,
+        image: &Point2<f64>,
+        surface: &dyn Surface,
+    ) -> Result<Point3<f64>, ProjectionError> {
+        let ray = self.line(image)?;
+        if self.is_parallel() { ray.meet_either_way(surface) } else { surface.meet_ray(&ray) }
     }
 }

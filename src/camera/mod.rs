@@ -197,9 +197,27 @@ pub trait SensorModel: Debug + Send + Sync {
     }
 }
 
-/// A sensor behind a pointer is that sensor.
+/// A sensor behind a pointer is that sensor, and so is a central model.
 macro_rules! behind_a_pointer {
     ($($pointer:ty),*) => {$(
+        impl<S: CentralModel + ?Sized> CentralModel for $pointer {
+            fn project_direction(
+                &self,
+                direction: &Vector3<f64>,
+            ) -> Result<Point2<f64>, ProjectionError> {
+                (**self).project_direction(direction)
+            }
+            fn project_direction_jacobian(
+                &self,
+                direction: &Vector3<f64>,
+            ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+                (**self).project_direction_jacobian(direction)
+            }
+            fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
+                (**self).direction(image)
+            }
+        }
+
         impl<S: SensorModel + ?Sized> SensorModel for $pointer {
             fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
                 (**self).project(world)

@@ -96,9 +96,6 @@ impl SensorModel for Orthographic {
         image: &Point2<f64>,
         surface: &dyn Surface,
     ) -> Result<Point3<f64>, ProjectionError> {
-        let ray = self.line(image)?;
-        surface
-            .meet_ray(&ray)
-            .or_else(|_| surface.meet_ray(&Ray { origin: ray.origin, direction: -ray.direction }))
+        self.line(image)?.meet_either_way(surface)
     }
 }

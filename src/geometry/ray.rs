@@ -2,7 +2,8 @@
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 
-use crate::error::Error;
+use super::surface::Surface;
+use crate::error::{Error, ProjectionError};
 
 /// A half-line in the world: origin + t · direction, t ≥ 0.
 ///
@@ -46,6 +47,17 @@ impl Ray {
     #[must_use]
     pub fn at(&self, t: f64) -> Point3<f64> {
         self.origin + self.direction.into_inner() * t
+    }
+
+    /// The first point of a surface along the ray; failing that, the first against it. For parallel projections, whose lines of sight
+    /// begin nowhere.
+    pub(crate) fn meet_either_way(
+        &self,
+        surface: &dyn Surface,
+    ) -> Result<Point3<f64>, ProjectionError> {
+        surface.meet_ray(self).or_else(|_| {
+            surface.meet_ray(&Self { origin: self.origin, direction: -self.direction })
+        })
     }
 }
 

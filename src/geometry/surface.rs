@@ -1,6 +1,7 @@
 //! What a line of sight can meet.
 
 use alloc::boxed::Box;
+use alloc::sync::Arc;
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 
@@ -112,7 +113,7 @@ macro_rules! behind_a_pointer {
     )*};
 }
 
-behind_a_pointer!(&S, Box<S>);
+behind_a_pointer!(&S, Box<S>, Arc<S>);
 
 /// The steps in which a curve is searched from its top for a change of sign.
 const STEPS: u32 = 64;

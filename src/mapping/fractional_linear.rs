@@ -139,8 +139,8 @@ impl FractionalLinear {
         let mut from = [Point2::origin(); 4];
         let mut to = [Point2::origin(); 4];
         for ((w, f), t) in world.iter().zip(&mut from).zip(&mut to) {
-            *f = screen.project_offset(&(w - screen.origin))?;
-            *t = texture.project_offset(&(w - texture.origin))?;
+            *f = screen.project_offset(&(w - screen.origin))?.0;
+            *t = texture.project_offset(&(w - texture.origin))?.0;
         }
         let plane = Plane::fit(world)?.plane;
         let eye = world_from_screen(&plane, screen)?.row(3).into_owned();
@@ -202,10 +202,10 @@ impl FractionalLinear {
             let columns = [a, b, c].map(|p| camera.project_offset(&(p - camera.origin)));
             let mut matrix = Matrix3::zeros();
             for (i, column) in columns.into_iter().enumerate() {
-                let p = column?;
+                let (p, _) = column?;
                 matrix.set_column(i, &Vector3::new(p.x, p.y, 1.0));
             }
-            let middle = camera.project_offset(&(a - camera.origin + centroid_from_a))?;
+            let (middle, _) = camera.project_offset(&(a - camera.origin + centroid_from_a))?;
             let edge_on =
                 Error::Degenerate { what: "triangle seen edge on", measure: 0.0, limit: 0.0 };
             let weights =
@@ -329,19 +329,6 @@ impl HomogeneousCamera {
             world.row(3).into_owned()
         };
         Ok([row[2], row[0], row[1]])
-    }
-
-    /// The pixel of a world point, given from this camera's origin.
-    ///
-    /// # Errors
-    /// [`ProjectionError::BehindCamera`], [`ProjectionError::NotFinite`].
-    fn project_offset(&self, from_origin: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {
-        let h = self.image_from_world * from_origin.push(1.0);
-        if h.z > 0.0 {
-            Ok(Point2::new(h.x / h.z, h.y / h.z))
-        } else {
-            Err(ProjectionError::BehindCamera { depth: h.z })
-        }
     }
 }
 

@@ -217,6 +217,34 @@ impl ScreenPolygon {
         triangles
     }
 
+    /// Whether edges that are no neighbours have a point in common. Exact on the snapped vertices.
+    pub(super) fn crosses_itself(&self) -> bool {
+        let v = &self.snapped;
+        let n = v.len();
+        let edge =
+            |i: usize| [v.get(i), v.get((i + 1) % n)].map(|p| p.copied().unwrap_or_default());
+        let side = |[a, b]: [Snapped; 2], c: Snapped| {
+            let d = |p: Snapped, k: usize| i128::from(p[k]) - i128::from(a[k]);
+            (d(b, 0) * d(c, 1) - d(b, 1) * d(c, 0)).signum()
+        };
+        let within = |[a, b]: [Snapped; 2], c: Snapped| {
+            (0..2).all(|k| (a[k].min(b[k])..=a[k].max(b[k])).contains(&c[k]))
+        };
+        let meet = |e: [Snapped; 2], f: [Snapped; 2]| {
+            let sides = [side(e, f[0]), side(e, f[1]), side(f, e[0]), side(f, e[1])];
+            // Each edge's ends on two sides of the other; or an end of one on the other.
+            (sides[0] * sides[1] < 0 && sides[2] * sides[3] < 0)
+                || (sides[0] == 0 && within(e, f[0]))
+                || (sides[1] == 0 && within(e, f[1]))
+                || (sides[2] == 0 && within(f, e[0]))
+                || (sides[3] == 0 && within(f, e[1]))
+        };
+        (0..n).any(|i| {
+            let last = if i == 0 { n.saturating_sub(1) } else { n };
+            (i + 2..last).any(|j| meet(edge(i), edge(j)))
+        })
+    }
+
     /// Whether nothing is left to draw.
     #[must_use]
     pub fn is_empty(&self) -> bool {

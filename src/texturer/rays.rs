@@ -1,9 +1,10 @@
 //! Polygons as any sensor sees them, by the line of sight of each pixel.
 
+use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, UnitVector3};
 
 use super::polygon::{Facing, ScreenPolygon};
 use crate::camera::{ExteriorOrientation, Orthographic, SensorModel};
@@ -15,7 +16,8 @@ use crate::resample::{Border, Filter, ImageView, ImageViewMut, Sample, sample_wi
 /// Polygons that lines of sight are cast at.
 ///
 /// Each polygon has three or more vertices, convex or concave, in one plane, as for a [`ScreenPolygon`]. It is cut into triangles, exactly on
-/// vertices rounded to 2⁻²⁶ of its size; those of all polygons stand in one [`TriangleMesh`].
+/// vertices rounded to 2⁻²⁶ of its size; those of all polygons stand in one [`TriangleMesh`]. Of a polygon that crosses itself that is
+/// met which the even-odd rule counts as inside.
 ///
 /// # Example
 /// Two walls, one behind the other and larger. Above the first the second is seen:
@@ -44,8 +46,47 @@ pub struct Facets {
     mesh: TriangleMesh,
     /// Of each triangle, its polygon.
     polygons: Vec<u32>,
-    /// Of each polygon, its plane; none for one that was refused.
-    planes: Vec<Option<Plane>>,
+    /// Each polygon; none for one that was refused.
+    facets: Vec<Option<Facet>>,
+}
+
+#[derive(Clone, Debug)]
+struct Facet {
+    plane: Plane,
+    /// Of a polygon that crosses itself, whose triangles are those of its rectangle.
+    outline: Option<Outline>,
+}
+
+/// A polygon in its plane.
+#[derive(Clone, Debug)]
+struct Outline {
+    /// From the world to the plane's axes, whose third is the normal.
+    exterior: ExteriorOrientation,
+    corners: Vec<Point2<f64>>,
+}
+
+impl Outline {
+    /// By the even-odd rule: along x from the point an odd number of edges is crossed.
+    fn contains(&self, world: &Point3<f64>) -> bool {
+        let p = self.exterior.pose().apply(world);
+        let next = self.corners.iter().cycle().skip(1);
+        let crossed = self.corners.iter().zip(next).filter(|(a, b)| {
+            // A corner at the point's own height belongs to the edge below it.
+            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))
+        });
+        crossed.count() % 2 == 1
+    }
+
+    /// The corners of its rectangle, world coordinates.
+    fn rectangle(&self) -> [Point3<f64>; 4] {
+        let ends = |axis: usize| {
+            let of = || self.corners.iter().map(|c| c[axis]);
+            [of().fold(f64::INFINITY, f64::min), of().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let ([left, right], [low, high]) = (ends(0), ends(1));
+        [(left, low), (right, low), (right, high), (left, high)]
+            .map(|(x, y)| self.exterior.pose().apply_inverse(&Point3::new(x, y, 0.0)))
+    }
 }
 
 /// A polygon on a line of sight.
@@ -78,28 +119,28 @@ impl Facets {
     ) -> Result<(Self, Vec<(usize, Error)>), Error> {
         let mut refused = Vec::new();
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        let (mut numbers, mut planes) = (Vec::new(), Vec::with_capacity(polygons.len()));
+        let (mut numbers, mut facets) = (Vec::new(), Vec::with_capacity(polygons.len()));
         for (number, polygon) in polygons.iter().enumerate() {
             let world = polygon.as_ref();
             match cut(world) {
                 Err(error) => {
                     refused.push((number, error));
-                    planes.push(None);
+                    facets.push(None);
                 }
-                Ok((plane, pieces)) => {
+                Ok((facet, corners, pieces)) => {
                     let first = vertices.len() as u32;
-                    vertices.extend_from_slice(world);
+                    vertices.extend(corners);
                     numbers.extend(pieces.iter().map(|_| number as u32));
                     triangles.extend(pieces.into_iter().map(|t| t.map(|i| first + i as u32)));
-                    planes.push(Some(plane));
+                    facets.push(Some(facet));
                 }
             }
         }
         let mesh = TriangleMesh::new(vertices, triangles)?;
-        Ok((Self { mesh, polygons: numbers, planes }, refused))
+        Ok((Self { mesh, polygons: numbers, facets }, refused))
     }
 
-    /// The triangles of all polygons.
+    /// The triangles of all polygons; of one that crosses itself those of its rectangle.
     #[must_use]
     pub fn mesh(&self) -> &TriangleMesh {
         &self.mesh
@@ -112,6 +153,29 @@ impl Facets {
             Locus::Ray(ray) => self.first_on(ray, f64::INFINITY, &mut wanted),
             Locus::Curve(curve) => self.first_along(curve, &mut wanted),
         }
+    }
+
+    /// The first on a ray to the last digit.
+    fn hit(&self, ray: &Ray) -> Option<f64> {
+        let mut nearest = f64::INFINITY;
+        self.mesh.visit_hits(ray, |hit| {
+            let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
+            if hit.distance < nearest && self.is_inside(polygon, &ray.at(hit.distance)) {
+                nearest = hit.distance;
+            }
+            nearest
+        });
+        Some(nearest).filter(|t| t.is_finite())
+    }
+
+    fn plane(&self, polygon: usize) -> Option<Plane> {
+        self.facets.get(polygon)?.as_ref().map(|f| f.plane)
+    }
+
+    /// Whether a point of a polygon's triangles is in the polygon.
+    fn is_inside(&self, polygon: u32, world: &Point3<f64>) -> bool {
+        let facet = self.facets.get(polygon as usize).and_then(Option::as_ref);
+        facet.is_some_and(|f| f.outline.as_ref().is_none_or(|o| o.contains(world)))
     }
 
     /// The first on a ray, not farther than `reach`.
@@ -131,6 +195,7 @@ impl Facets {
                 if hit.distance <= reach
                     && !passed.contains(&polygon)
                     && first.is_none_or(|(nearest, _)| key < nearest)
+                    && self.is_inside(polygon, &ray.at(hit.distance))
                 {
                     first = Some((key, hit.distance));
                 }
@@ -138,7 +203,7 @@ impl Facets {
                 first.map_or(reach, |((distance, _), _)| f64::from(distance.next_up()))
             });
             let ((_, polygon), distance) = first?;
-            let plane = self.planes.get(polygon as usize).copied().flatten()?;
+            let plane = self.plane(polygon as usize)?;
             let sight = Sight {
                 polygon: polygon as usize,
                 point: ray.at(distance),
@@ -166,8 +231,7 @@ impl Facets {
             let chord = to - from;
             let ray = Ray::new(from, chord).ok()?;
             let mut on_curve = |sight: &Sight| {
-                let plane = self.planes.get(sight.polygon).copied().flatten();
-                let exact = plane.and_then(|p| p.meet_curve(curve).ok());
+                let exact = self.plane(sight.polygon).and_then(|p| p.meet_curve(curve).ok());
                 let point = exact.filter(|p| (p - sight.point).norm() <= chord.norm());
                 let point = point.unwrap_or(sight.point);
                 let sight = Sight { point, distance: (point - top).norm(), ..*sight };
@@ -187,8 +251,25 @@ impl Facets {
     }
 }
 
-/// A polygon's plane, and its triangles by the numbers of their vertices.
-fn cut(world: &[Point3<f64>]) -> Result<(Plane, Vec<[usize; 3]>), Error> {
+/// Heights and normals are those of the triangles ([`Facets::mesh`]).
+impl Surface for Facets {
+    fn height_above(&self, world: &Point3<f64>) -> f64 {
+        self.mesh.height_above(world)
+    }
+
+    fn meet_ray(&self, ray: &Ray) -> Result<Point3<f64>, ProjectionError> {
+        self.hit(ray).map(|t| ray.at(t)).ok_or(ProjectionError::MissesSurface)
+    }
+
+    fn normal(&self, world: &Point3<f64>) -> Result<UnitVector3<f64>, ProjectionError> {
+        self.mesh.normal(world)
+    }
+}
+
+/// A polygon, the corners of its triangles, and these by the numbers of the corners.
+type Cut = (Facet, Vec<Point3<f64>>, Vec<[usize; 3]>);
+
+fn cut(world: &[Point3<f64>]) -> Result<Cut, Error> {
     let plane = match world {
         [a, b, c] => Plane::through(a, b, c)?,
         _ => Plane::fit(world)?.plane,
@@ -199,7 +280,15 @@ fn cut(world: &[Point3<f64>]) -> Result<(Plane, Vec<[usize; 3]>), Error> {
     let scale = ACROSS / size;
     let flat = Affine2::from_coefficients([0.0, scale, 0.0], [0.0, 0.0, scale]);
     let flat = Orthographic::new(exterior, flat)?.homogeneous();
-    Ok((plane, ScreenPolygon::project(world, &flat, 1.0)?.triangles()))
+    let outline = ScreenPolygon::project(world, &flat, 1.0)?;
+    if outline.crosses_itself() {
+        let corners = world.iter().map(|p| exterior.pose().apply(p).xy()).collect();
+        let outline = Outline { exterior, corners };
+        let rectangle = outline.rectangle().to_vec();
+        let facet = Facet { plane, outline: Some(outline) };
+        return Ok((facet, rectangle, vec![[0, 1, 2], [0, 2, 3]]));
+    }
+    Ok((Facet { plane, outline: None }, world.to_vec(), outline.triangles()))
 }
 
 /// What a polygon is painted with where a line of sight meets it.
@@ -243,7 +332,7 @@ impl<T: fmt::Debug, const C: usize> fmt::Debug for RayPaint<'_, T, C> {
 /// The picture that any sensor takes of polygons.
 ///
 /// Each pixel's line of sight, through its centre, meets the polygons from the nearest on, until one gives the pixel a value. A pixel
-/// without a line of sight, as beyond a fisheye's circle, stays as it was. For a perspective screen the [`Canvas`](super::Canvas) draws the
+/// without a line of sight, as beyond a fisheye's circle, stays as it was. A parallel screen sees from its plane Z′ = 0 on. For a perspective screen the [`Canvas`](super::Canvas) draws the
 /// same pixels faster; the two agree but for pixels whose centre is within 1/256 pixel of an edge.
 ///
 /// # Example
@@ -292,26 +381,27 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
     /// Draws a whole picture. The sensor's pixels are its pixels.
     pub fn draw(&self, target: &mut ImageViewMut<'_, T, C>) {
         for y in 0..target.height() {
-            self.row(y, target.row_mut(y));
+            self.row(y, target.row_mut(y), |_, _| ());
         }
     }
 
-    /// Draws row `y`, of as many pixels as `row` has room for.
-    pub fn row(&self, y: usize, row: &mut [T]) {
+    /// Draws row `y`, of as many pixels as `row` has room for, and tells for each that it draws what is seen there.
+    pub fn row(&self, y: usize, row: &mut [T], mut seen: impl FnMut(usize, &Sight)) {
         let mut coords = RowCoords::new();
         for (x, pixel) in row.chunks_exact_mut(C.max(1)).enumerate() {
             let center = Point2::new(x as f64 + 0.5, y as f64 + 0.5);
-            if let Some(value) = self.value(&center, &mut coords) {
+            if let Some((sight, value)) = self.value(&center, &mut coords) {
                 pixel.copy_from_slice(&value);
+                seen(x, &sight);
             }
         }
     }
 
     /// What a point of the sensor's picture shows.
-    fn value(&self, image: &Point2<f64>, coords: &mut RowCoords) -> Option<[T; C]> {
+    fn value(&self, image: &Point2<f64>, coords: &mut RowCoords) -> Option<(Sight, [T; C])> {
         let locus = self.screen.locus(image).ok()?;
         let mut value = None;
-        let _ = self.facets.first(&locus, |sight| {
+        let sight = self.facets.first(&locus, |sight| {
             let shown = match self.facing {
                 Facing::Both => true,
                 Facing::Front => sight.from_front,
@@ -321,8 +411,8 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
                 value = self.paint(sight, coords);
             }
             value.is_some()
-        });
-        value
+        })?;
+        Some((sight, value?))
     }
 
     /// What a polygon shows where it is met.

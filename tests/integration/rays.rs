@@ -122,7 +122,7 @@ fn one(
     near: f64,
 ) -> u8 {
     let mut pixel = [0];
-    RayCaster { screen, facets, paints, facing, near }.row(0, &mut pixel);
+    RayCaster { screen, facets, paints, facing, near }.row(0, &mut pixel, |_, _| ());
     pixel[0]
 }
 
@@ -348,4 +348,33 @@ fn polygons_that_are_none_are_refused_by_their_numbers() {
     assert_eq!(facets.first(&Locus::Ray(ray), |_| true).map(|s| s.polygon), Some(1));
     assert!(Facets::new(&all[2..]).is_err());
     assert!(Facets::new::<Vec<Point3<f64>>>(&[]).is_err());
+}
+
+#[test]
+fn of_a_polygon_that_crosses_itself_the_even_odd_rule_decides() {
+    // A pentagram about the axis: its points are in it, its middle is not.
+    let star: Vec<_> = (0..5)
+        .map(|k| {
+            let (s, c) = (f64::from(k) * 4.0 * std::f64::consts::PI / 5.0).sin_cos();
+            Point3::new(5.0 * s, 5.0 * c, 2.0)
+        })
+        .collect();
+    let bow_tie = [(-3.0, -3.0), (3.0, 3.0), (3.0, -3.0), (-3.0, 3.0)];
+    let bow_tie = bow_tie.map(|(x, y)| Point3::new(x + 20.0, y, 2.0)).to_vec();
+    let (facets, refused) = Facets::new(&[star, bow_tie]).unwrap();
+    assert!(refused.is_empty());
+    let sees = |x: f64, y: f64| {
+        let ray = Ray::new(Point3::new(x, y, 9.0), -Vector3::z()).unwrap();
+        facets.first(&Locus::Ray(ray), |_| true).map(|s| s.polygon)
+    };
+    assert_eq!(sees(0.0, 0.0), None);
+    for k in 0..5 {
+        let (s, c) = (f64::from(k) * std::f64::consts::TAU / 5.0).sin_cos();
+        assert_eq!(sees(3.0 * s, 3.0 * c), Some(0), "point {k}");
+        // Between two points it is open.
+        let (s, c) = ((f64::from(k) + 0.5) * std::f64::consts::TAU / 5.0).sin_cos();
+        assert_eq!(sees(3.0 * s, 3.0 * c), None, "gap {k}");
+    }
+    assert_eq!([sees(22.0, 0.5), sees(18.0, -0.5)], [Some(1), Some(1)]);
+    assert_eq!([sees(20.5, 2.0), sees(19.5, -2.0)], [None, None]);
 }

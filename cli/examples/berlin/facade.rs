@@ -42,7 +42,8 @@ fn one_plane(site: &Site, name: &str, file: &PlaneFile, out: &Path) -> Result<Ve
     let (rectangle, width, height) = size_at(&rectangle, GROUND_SAMPLE)?;
     let mut pictures = Vec::new();
     for photograph in &site.photographs {
-        let r = Rectification::of_plane(file, &rectangle, &photograph.camera, width, height)?;
+        let sensor = photograph.camera.clone().into();
+        let r = Rectification::of_plane(file, &rectangle, &sensor, width, height)?;
         let border = Border::Transparent;
         let picture = r.apply(&photograph.picture, Filter::Bilinear, border, &|_, _| ())?.picture;
         write_picture(&out.join(format!("facade_{name}_{}.png", photograph.name)), &picture)?;

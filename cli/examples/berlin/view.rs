@@ -12,7 +12,7 @@ use collinear_io::Document;
 use collinear_io::camera::{CameraFile, Exterior, Interior};
 use collinear_io::picture::{Picture, write_picture};
 use collinear_io::scene::{
-    self, CameraSource, Cull, Fill, Filter, Interpolation, Polygon, SceneFile,
+    self, Cull, Fill, Filter, Interpolation, Polygon, SceneFile, SensorSource,
 };
 
 use crate::model::Face;
@@ -74,7 +74,7 @@ pub(crate) fn expose(site: &Site, gains: &[f64], out: &Path) -> Result<Vec<scene
         photographs.push(scene::Photograph {
             name: p.name.clone(),
             image: image.into(),
-            camera: CameraSource::Inline(p.camera.clone()),
+            camera: SensorSource::Inline(p.camera.clone().into()),
         });
     }
     Ok(photographs)
@@ -91,7 +91,7 @@ pub(crate) fn scene(
         photographs: photographs.to_vec(),
         textures: Vec::new(),
         polygons,
-        view: CameraSource::Inline(view),
+        view: SensorSource::Inline(view.into()),
         background: [24, 26, 30],
         near: Some(0.5),
         cull: Cull::None,

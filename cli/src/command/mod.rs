@@ -6,6 +6,7 @@ pub(crate) mod overlay;
 pub(crate) mod project;
 pub(crate) mod rectify;
 pub(crate) mod render;
+pub(crate) mod reproject;
 
 use std::fmt::{self, Display};
 use std::io::{IsTerminal, Write};

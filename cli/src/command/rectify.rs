@@ -6,12 +6,13 @@ use anyhow::{Context, Result, anyhow};
 use clap::{ArgGroup, Args};
 use collinear::nalgebra::Point2;
 use collinear::resample::Border;
-use collinear_cli::rectify::{Rectification, Rectified, footprint, size_at};
+use collinear_cli::lookup::Drawn;
+use collinear_cli::rectify::{Rectification, footprint, size_at};
 use collinear_io::Document;
-use collinear_io::camera::CameraFile;
 use collinear_io::map::MapFile;
 use collinear_io::picture::{Picture, PictureFormat, read_picture, write_picture};
 use collinear_io::plane::{PlaneFile, Rectangle};
+use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
 use super::{
@@ -30,7 +31,7 @@ pub(crate) struct Arguments {
     /// The photograph: PNG or JPEG
     photo: PathBuf,
 
-    /// The photograph's camera (JSON); its lens is taken into account
+    /// The photograph's camera or scanner (JSON); its lens is taken into account
     #[arg(short, long, value_name = "CAMERA.json")]
     camera: Option<PathBuf>,
 
@@ -128,7 +129,7 @@ impl Arguments {
             None if png => Border::Transparent,
             None => Border::Constant([0.0; 4]),
         };
-        let camera = self.camera.as_deref().map(CameraFile::read).transpose()?;
+        let camera = self.camera.as_deref().map(SensorFile::read).transpose()?;
         let (rectification, rectangle) = match (&self.plane, &camera, &self.quad) {
             (Some(path), Some(camera), _) => {
                 let plane = PlaneFile::read(path)?;
@@ -147,7 +148,10 @@ impl Arguments {
         if let (Some(_), Some(file), Some(camera), None) =
             (&self.map_out, &self.camera, &camera, rectification.homography())
         {
-            let model = camera.interior.model();
+            let model = match camera {
+                SensorFile::Camera(camera) => camera.interior.model(),
+                SensorFile::Scanner(_) => "scanner",
+            };
             return Err(in_file(
                 file,
                 anyhow!("interior.model: no homography is part of `{model}`, leave out --map-out"),
@@ -162,7 +166,7 @@ impl Arguments {
             });
         bar.finish_and_clear();
         drop(photograph);
-        let Rectified { picture, seen } = rectified.map_err(|e| in_file(&self.photo, e))?;
+        let Drawn { picture, seen } = rectified.map_err(|e| in_file(&self.photo, e))?;
         if rectification.is_mirrored() {
             say(&format!(
                 "warning: {}: left and right are exchanged: {}",
@@ -200,7 +204,7 @@ impl Arguments {
         Ok(())
     }
 
-    fn photograph(&self, camera: Option<&CameraFile>) -> Result<Picture> {
+    fn photograph(&self, camera: Option<&SensorFile>) -> Result<Picture> {
         let photograph = read_picture(&self.photo)?;
         if let Some(camera) = camera {
             camera
@@ -213,7 +217,7 @@ impl Arguments {
     fn of_plane(
         &self,
         plane: &PlaneFile,
-        camera: &CameraFile,
+        camera: &SensorFile,
     ) -> Result<(Rectification, Rectangle)> {
         let rectangle = match plane.rectangle {
             Some(rectangle) => rectangle,

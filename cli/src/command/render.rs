@@ -6,6 +6,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use collinear_cli::render::render_scene;
 use collinear_io::picture::write_picture;
+use collinear_io::scene::SensorSource;
+use collinear_io::sensor::SensorFile;
 
 use super::{Files, open_scene, picture_path, progress_bar, say};
 
@@ -16,6 +18,10 @@ pub(crate) struct Arguments {
     /// The scene file (JSON); paths in it start from its folder
     #[arg(value_name = "SCENE.json")]
     scene: PathBuf,
+
+    /// The camera or scanner (JSON) of the picture, instead of the scene's `view`
+    #[arg(long, value_name = "VIEW.json")]
+    view: Option<PathBuf>,
 
     /// The picture to write: .png, .jpg or .jpeg
     #[arg(short, long, value_name = "OUT", value_parser = picture_path)]
@@ -35,11 +41,13 @@ outside the photograph stays undrawn. The nearest polygon wins. Photographs are 
 stands in their way.
 
 Vertices are world coordinates in any one unit of length; the picture has the size of the scene's \
-view, in pixels. docs/formats.md describes the scene file.";
+view, in pixels. A view of any model is drawn, a fisheye, a panorama or a scanner by the line of sight \
+of each pixel. docs/formats.md describes the scene file.";
 
 const AFTER: &str = "\
-Example:
+Examples:
   collinear render town.json -o view.png
+  collinear render town.json --view dome.camera.json -o dome.png
 
 Exit codes: 0 done; 1 failed (an old OUT is left as it was); 2 wrong usage, as an output that is an \
 input too.";
@@ -49,7 +57,13 @@ impl Arguments {
         let mut files = Files::default();
         files.output("the output (-o)", &self.output)?;
         files.input("the scene", &self.scene)?;
-        let scene = open_scene(&self.scene, &mut files)?;
+        if let Some(path) = &self.view {
+            files.input("the view", path)?;
+        }
+        let mut scene = open_scene(&self.scene, &mut files)?;
+        if let Some(path) = &self.view {
+            scene.view = SensorSource::Inline(SensorFile::read(path)?);
+        }
         let bar = progress_bar("rendering");
         let result = render_scene(&scene, Path::new(""), &|done, total| {
             bar.set_length(total as u64);

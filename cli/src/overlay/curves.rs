@@ -88,7 +88,7 @@ impl Curves {
         let step = match camera.direction(&Point2::new(0.5 * width, 0.5 * height)) {
             Ok(middle) => {
                 let angle = |p: Point2<f64>| camera.direction(&p).ok().map(|d| middle.angle(&d));
-                let field = border(file).filter_map(angle).fold(0.0, f64::max);
+                let field = border([file.width, file.height]).filter_map(angle).fold(0.0, f64::max);
                 let part = field * PART_OF_FIELD;
                 if part > 0.0 { part.min(degree) } else { degree }
             }

@@ -139,7 +139,7 @@ impl Tracer {
 /// The tangent of the cone that holds the picture and its margin, within the fold.
 fn reach(file: &CameraFile, camera: &dyn CentralModel, fold: f64) -> Result<f64> {
     let mut largest = 0.0_f64;
-    for p in border(file) {
+    for p in border([file.width, file.height]) {
         // No ideal point has this image: the picture reaches beyond the fold.
         let Ok(d) = camera.direction(&p) else { return Ok(fold * (1.0 - BEFORE_FOLD)) };
         largest = largest.max(d.xy().norm() / d.z);

@@ -2,7 +2,6 @@
 
 mod curves;
 mod lines;
-mod obj;
 mod png;
 mod svg;
 
@@ -14,6 +13,8 @@ use collinear::nalgebra::{Point2, Point3};
 use collinear_io::camera::CameraFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::scene::SceneFile;
+
+use crate::obj::{self, Element, Object};
 
 pub use svg::Photograph;
 
@@ -89,7 +90,17 @@ pub fn plane_figure(plane: &PlaneFile, cells: u32) -> Result<Figure> {
 /// # Errors
 /// A file that cannot be read, that is no text, or that has nothing to draw; a line that makes no sense, with its number.
 pub fn mesh_figures(path: &Path) -> Result<Vec<Figure>> {
-    obj::read(path)
+    let figure = |object: Object| {
+        let mut edges = Vec::new();
+        for Element { corners, is_face } in &object.elements {
+            let closed = *is_face && corners.len() > 2;
+            let next = corners.iter().skip(1).chain(corners.first().filter(|_| closed));
+            edges.extend(corners.iter().zip(next).map(|(a, b)| [*a, *b]));
+        }
+        let vertices: Vec<_> = object.elements.into_iter().flat_map(|e| e.corners).collect();
+        Figure { name: object.name, edges, middle: middle(&vertices) }
+    };
+    Ok(obj::read(path)?.into_iter().map(figure).collect())
 }
 
 fn outline(name: Option<String>, vertices: &[Point3<f64>]) -> Figure {

@@ -1,4 +1,4 @@
-//! A frame camera with Brown's distortion, from the collinearity equations alone.
+//! A frame camera with Brown's distortion, from the collinearity equations alone; and a fisheye to look with.
 
 use super::vector::{V3, v3};
 
@@ -17,6 +17,8 @@ pub(crate) struct Camera {
     pub(crate) right: V3,
     pub(crate) down: V3,
     pub(crate) forward: V3,
+    /// Whether a pixel's distance from the principal point is the angle of its direction: a dome master. Such a camera only looks.
+    pub(crate) fisheye: bool,
 }
 
 impl Camera {
@@ -43,6 +45,7 @@ impl Camera {
             right: level * cos + below * sin,
             down: below * cos - level * sin,
             forward,
+            fisheye: false,
         }
     }
 
@@ -99,6 +102,15 @@ impl Camera {
 
     /// World direction of a pixel position, with unit component along the camera axis.
     pub(crate) fn direction(&self, pixel: (f64, f64)) -> V3 {
+        if self.fisheye {
+            let x = (pixel.0 - self.principal_point.0) / self.principal_distance.0;
+            let y = (pixel.1 - self.principal_point.1) / self.principal_distance.1;
+            let angle = x.hypot(y);
+            let across = if angle > 0.0 { angle.sin() / angle } else { 1.0 };
+            return self.right * (x * across)
+                + self.down * (y * across)
+                + self.forward * angle.cos();
+        }
         let (x, y) = self.ideal(pixel);
         self.right * x + self.down * y + self.forward
     }

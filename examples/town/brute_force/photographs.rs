@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::caster::{Town, in_parallel};
 use super::polygon::Polygon;
-use super::vector::v3;
+use super::vector::{V3, v3};
 
 #[derive(Clone, Debug)]
 pub(crate) struct Photograph {
@@ -15,6 +15,28 @@ pub(crate) struct Photograph {
 pub(crate) fn view() -> Camera {
     Camera::looking((1280, 800), 1000.0, v3(2.0, -58.0, 24.5), v3(-1.0, 20.0, 10.2), 0.0)
 }
+
+/// The dome master: a hemisphere about a place over the square, as of a simulator that looks north and 16° down.
+pub(crate) fn dome() -> Camera {
+    let center = v3(2.0, -40.0, 18.0);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let camera = Camera::looking((1024, 1024), 512.0 / quarter, center, center + dome_axis(), 0.0);
+    Camera { fisheye: true, ..camera }
+}
+
+/// A projector behind and above the audience of that dome, which is open to the back.
+pub(crate) fn projector() -> Camera {
+    let target = dome().center + dome_axis() * DOME_RADIUS;
+    Camera::looking((1280, 800), 640.0, v3(2.0, -44.0, 22.0), target, 0.0)
+}
+
+/// The direction of the dome's middle.
+pub(crate) fn dome_axis() -> V3 {
+    v3(0.0, 0.96, -0.28)
+}
+
+/// The radius of the dome.
+pub(crate) const DOME_RADIUS: f64 = 9.0;
 
 pub(crate) fn all() -> Vec<Photograph> {
     let shot = |name, size, principal_distance, center, target, roll, k, p| {
@@ -144,7 +166,7 @@ fn best(town: &Town, index: usize, polygon: &Polygon) -> usize {
 }
 
 /// A lattice of points inside the polygon.
-fn samples(polygon: &Polygon) -> Vec<super::vector::V3> {
+fn samples(polygon: &Polygon) -> Vec<V3> {
     let (low, high) = polygon.extent();
     let across = (high.0 - low.0).max(high.1 - low.1);
     let n = ((across / 0.4) as usize).clamp(5, 45);

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::camera::Camera;
 use super::caster::{BACKGROUND, Town};
+use super::photographs::{DOME_RADIUS, dome, dome_axis, projector};
 use super::polygon::Polygon;
 use super::scene::MAP;
 use super::vector::V3;
@@ -34,7 +35,11 @@ fn camera_fields(camera: &Camera) -> [String; 3] {
     let [k1, k2, k3] = camera.k;
     let [p1, p2] = camera.p;
     let distorted = camera.k != [0.0; 3] || camera.p != [0.0; 2];
-    let model = if distorted { "brown" } else { "pinhole" };
+    let model = match distorted {
+        _ if camera.fisheye => "fisheye",
+        true => "brown",
+        false => "pinhole",
+    };
     let lens = if distorted {
         format!(", \"k\": [{k1}, {k2}, {k3}], \"p\": [{p1}, {p2}]")
     } else {
@@ -54,19 +59,33 @@ fn camera_fields(camera: &Camera) -> [String; 3] {
     ]
 }
 
-/// The files beside the scene, each with its name: the photographs' cameras, the plane of a façade, a list of points.
+/// The files beside the scene, each with its name: the photographs' cameras, the plane of a façade, a list of points; a dome, the camera of
+/// its dome master, a projector for it.
 pub(crate) fn files(town: &Town) -> Vec<(String, String)> {
     let mut files = vec![
         ("town.json".to_owned(), scene_json(town)),
         ("town_hall.plane.json".to_owned(), plane_json(town)),
         ("points.csv".to_owned(), points_csv(town)),
     ];
-    for photograph in &town.photographs {
-        let fields = camera_fields(&photograph.camera).join(",\n  ");
+    files.push(("dome.json".to_owned(), dome_json()));
+    let screens = [("dome", &dome()), ("projector", &projector())];
+    let photographs = town.photographs.iter().map(|p| (p.name, &p.camera));
+    for (name, camera) in photographs.chain(screens) {
+        let fields = camera_fields(camera).join(",\n  ");
         let text = format!("{{\n  \"collinear\": \"camera\", \"version\": 1,\n  {fields}\n}}\n");
-        files.push((camera_file(photograph.name), text));
+        files.push((camera_file(name), text));
     }
     files
+}
+
+/// The dome about its dome master's place.
+fn dome_json() -> String {
+    let ([x, y, z], axis) = (in_map(dome().center), dome_axis());
+    format!(
+        "{{\n  \"collinear\": \"dome\", \"version\": 1,\n  \"center\": [{x}, {y}, {z}], \"radius\": {DOME_RADIUS}, \
+         \"axis\": [{}, {}, {}]\n}}\n",
+        axis.x, axis.y, axis.z
+    )
 }
 
 fn camera_file(photograph: &str) -> String {

@@ -69,7 +69,7 @@ impl Interior {
                 return Err(crate::FieldError::new("interior.model", problem).into());
             }
         };
-        Ok(Central(model))
+        Ok(model)
     }
 }
 

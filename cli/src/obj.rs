@@ -6,9 +6,25 @@ use std::path::Path;
 use anyhow::{Result, anyhow, bail, ensure};
 use collinear::nalgebra::Point3;
 
-use super::{Figure, middle};
+/// An object or a group of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Object {
+    pub(crate) name: Option<String>,
+    pub(crate) elements: Vec<Element>,
+}
 
-pub(super) fn read(path: &Path) -> Result<Vec<Figure>> {
+/// A face or a line.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Element {
+    pub(crate) corners: Vec<Point3<f64>>,
+    pub(crate) is_face: bool,
+}
+
+/// The objects and groups that have faces or lines. Vertices, faces, lines and names are read, everything else is passed over.
+///
+/// # Errors
+/// A file that cannot be read, that is no text, or that has no face and no line; a line that makes no sense, with its number.
+pub(crate) fn read(path: &Path) -> Result<Vec<Object>> {
     let name = path.display();
     let bytes = fs::read(path).map_err(|e| anyhow!("{name}: cannot be read: {e}"))?;
     if bytes.contains(&0) {
@@ -18,27 +34,9 @@ pub(super) fn read(path: &Path) -> Result<Vec<Figure>> {
     parse(&String::from_utf8_lossy(&bytes)).map_err(|e| anyhow!("{name}: {e}"))
 }
 
-/// One object or group while it is read.
-#[derive(Default)]
-struct Group {
-    name: Option<String>,
-    edges: Vec<[Point3<f64>; 2]>,
-    vertices: Vec<Point3<f64>>,
-}
-
-impl Group {
-    fn finish(self, figures: &mut Vec<Figure>) {
-        let Self { name, edges, vertices } = self;
-        if !edges.is_empty() {
-            figures.push(Figure { name, edges, middle: middle(&vertices) });
-        }
-    }
-}
-
-fn parse(text: &str) -> Result<Vec<Figure>> {
+fn parse(text: &str) -> Result<Vec<Object>> {
     let mut vertices = Vec::new();
-    let mut figures = Vec::new();
-    let mut group = Group::default();
+    let mut objects = vec![Object::default()];
     for (i, line) in text.lines().enumerate() {
         let number = i + 1;
         let mut words = line.split_whitespace();
@@ -48,27 +46,25 @@ fn parse(text: &str) -> Result<Vec<Figure>> {
                 let corners = words
                     .map(|w| corner(w, &vertices).ok_or_else(|| unknown(w, &vertices, number)))
                     .collect::<Result<Vec<_>>>()?;
-                let closed = kind == "f" && corners.len() > 2;
-                let next = corners.iter().skip(1).chain(corners.first().filter(|_| closed));
-                group.edges.extend(corners.iter().zip(next).map(|(a, b)| [*a, *b]));
-                group.vertices.extend(corners);
+                if let Some(object) = objects.last_mut() {
+                    object.elements.push(Element { corners, is_face: kind == "f" });
+                }
             }
             Some("o" | "g") => {
                 let name = words.collect::<Vec<_>>().join(" ");
                 let name = Some(name).filter(|n| !n.is_empty());
-                std::mem::replace(&mut group, Group { name, ..Group::default() })
-                    .finish(&mut figures);
+                objects.push(Object { name, elements: Vec::new() });
             }
             _ => {}
         }
     }
-    group.finish(&mut figures);
+    objects.retain(|o| o.elements.iter().any(|e| e.corners.len() > 1));
     ensure!(
-        !figures.is_empty(),
+        !objects.is_empty(),
         "there are no faces and no lines in it (`f`, `l` of a Wavefront OBJ file) and {} vertices: nothing to draw",
         vertices.len()
     );
-    Ok(figures)
+    Ok(objects)
 }
 
 fn vertex<'a>(words: impl Iterator<Item = &'a str>, number: usize) -> Result<Point3<f64>> {

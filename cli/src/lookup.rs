@@ -1,0 +1,243 @@
+//! A picture drawn by looking up each of its pixels in another.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use anyhow::{Error, Result, anyhow, bail};
+use collinear::ProjectionError;
+use collinear::error::Brief;
+use collinear::mapping::{Map, RowCoords};
+use collinear::nalgebra::{Matrix2, Point2};
+use collinear::resample::{Border, Filter, ImageView, ImageViewMut, warp};
+use collinear_io::picture::Picture;
+
+/// Rows drawn between two reports of progress.
+const BAND: usize = 64;
+
+/// A picture that was drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Drawn {
+    /// The picture.
+    pub picture: Picture,
+    /// Its pixels that lie in the photograph; at least one.
+    pub seen: u64,
+}
+
+/// A picture to draw, and where in a photograph its pixels look.
+#[derive(Clone, Copy, Debug)]
+pub struct Lookup<'a> {
+    /// Width of the new picture, pixels.
+    pub width: u32,
+    /// Height of the new picture, pixels.
+    pub height: u32,
+    /// Photograph from new picture.
+    pub map: &'a dyn Map,
+}
+
+impl Lookup<'_> {
+    /// Draws the picture.
+    ///
+    /// Grey stays grey unless the border has a colour; the photograph's opacity is passed over. With
+    /// [`Border::Transparent`] the picture has a channel of opacity, 0 where the photograph shows nothing. `progress` is
+    /// called with the rows done and all rows.
+    ///
+    /// Nothing but the new picture is allocated, apart from a few rows: photographs are large.
+    ///
+    /// # Errors
+    /// A photograph whose samples do not fill it; a picture none of whose pixels lies in the photograph, whatever the
+    /// border.
+    pub fn draw(
+        &self,
+        photograph: &Picture,
+        filter: Filter,
+        border: Border,
+        progress: &dyn Fn(usize, usize),
+    ) -> Result<Drawn> {
+        let colored = match border {
+            Border::Constant([r, g, b, _]) => r != g || g != b,
+            _ => false,
+        };
+        let colors = if photograph.channels > 2 || colored { 3 } else { 1 };
+        let opacity = border == Border::Transparent;
+        let job = Job { lookup: *self, photograph, colors, opacity, filter, border, progress };
+        let (data, seen) = match photograph.channels {
+            1 => job.run::<1>(),
+            2 => job.run::<2>(),
+            3 => job.run::<3>(),
+            4 => job.run::<4>(),
+            other => bail!("has {other} channels, 1 to 4 are read"),
+        }?;
+        if seen == 0 {
+            return Err(self.unseen(photograph));
+        }
+        let (width, height, channels) = (self.width, self.height, job.channels() as u8);
+        let picture = Picture { width, height, channels, data, orientation: 1 };
+        Ok(Drawn { picture, seen })
+    }
+
+    /// Why nothing is seen, from the picture's corners and middle.
+    fn unseen(&self, photograph: &Picture) -> Error {
+        let (w, h) = (f64::from(self.width), f64::from(self.height));
+        let mut reason = String::new();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for (x, y) in [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h), (w / 2.0, h / 2.0)] {
+            match self.map.at(&Point2::new(x, y)) {
+                Ok(p) => {
+                    for (k, c) in [p.x, p.y].into_iter().enumerate() {
+                        (low[k], high[k]) = (low[k].min(c), high[k].max(c));
+                    }
+                }
+                Err(e) => reason = e.to_string(),
+            }
+        }
+        if low[0] <= high[0] {
+            let [left, top] = low.map(Brief);
+            let [right, bottom] = high.map(Brief);
+            reason = format!(
+                "they lie at x from {left} to {right}, y from {top} to {bottom}, and the photograph has {} × {} pixels",
+                photograph.width, photograph.height
+            );
+        }
+        anyhow!(
+            "none of the {} × {} pixels lies in the photograph: {reason}",
+            self.width,
+            self.height
+        )
+    }
+}
+
+struct Job<'a> {
+    lookup: Lookup<'a>,
+    photograph: &'a Picture,
+    /// Samples of a new pixel, without its opacity.
+    colors: usize,
+    /// Whether a new pixel has an opacity.
+    opacity: bool,
+    filter: Filter,
+    border: Border,
+    progress: &'a dyn Fn(usize, usize),
+}
+
+impl Job<'_> {
+    fn channels(&self) -> usize {
+        self.colors + usize::from(self.opacity)
+    }
+
+    /// The new picture's samples, and how many of its pixels lie in the photograph.
+    ///
+    /// The photograph is looked up as it is, with all of its channels, and the rows of a band then get what they need of
+    /// them: no copy of the photograph with other channels is made.
+    fn run<const C: usize>(&self) -> Result<(Vec<u8>, u64)> {
+        let Lookup { width, height, map } = self.lookup;
+        let (width, height, channels) = (width as usize, height as usize, self.channels());
+        let (w, h) = (self.photograph.width as usize, self.photograph.height as usize);
+        let source = ImageView::<u8, C>::new(&self.photograph.data, w, h)?;
+        let mut data = vec![0; width * height * channels];
+        let mut found = vec![0; width * height.min(BAND) * C];
+        let mut seen = 0;
+        (self.progress)(0, height);
+        for (i, rows) in data.chunks_mut(width * channels * BAND).enumerate() {
+            let first = i * BAND;
+            let count = rows.len() / (width * channels);
+            let found = found.get_mut(..width * count * C).unwrap_or_default();
+            let inside = Mutex::new(vec![false; width * count]);
+            let size = [self.photograph.width, self.photograph.height];
+            let band = Band { map, first: first as i32, width, size, inside };
+            for (target, border) in self.passes::<C>() {
+                found.fill(0);
+                let mut view = ImageViewMut::<u8, C>::new(found, width, count)?;
+                warp(source, &band, self.filter, border, &mut view);
+                match target.len() {
+                    3 => copy_samples::<3, C>(rows, channels, target.start, found),
+                    _ => copy_samples::<1, C>(rows, channels, target.start, found),
+                }
+            }
+            let inside = band.inside.into_inner().unwrap_or_else(PoisonError::into_inner);
+            seen += inside.iter().filter(|i| **i).count() as u64;
+            if self.opacity {
+                for (new, inside) in rows.chunks_exact_mut(channels).zip(inside) {
+                    if let Some(last) = new.last_mut().filter(|_| inside) {
+                        *last = u8::MAX;
+                    }
+                }
+            }
+            (self.progress)(first + count, height);
+        }
+        Ok((data, seen))
+    }
+
+    /// The new samples that each lookup fills, and its border. A grey photograph before a border with a colour is looked up
+    /// once for each of the three.
+    fn passes<const C: usize>(&self) -> Vec<(Range<usize>, Border)> {
+        match self.border {
+            Border::Constant(color) if C < self.colors => {
+                let pass = |(k, c)| (k..k + 1, Border::Constant([c; 4]));
+                color.into_iter().take(self.colors).enumerate().map(pass).collect()
+            }
+            border => vec![(0..self.colors, border)],
+        }
+    }
+}
+
+/// The first N samples of each pixel of C, to pixels of another number of channels, from sample `start` on.
+fn copy_samples<const N: usize, const C: usize>(
+    to: &mut [u8],
+    channels: usize,
+    start: usize,
+    from: &[u8],
+) {
+    for (new, old) in to.chunks_exact_mut(channels).zip(from.chunks_exact(C)) {
+        let new = new.get_mut(start..).and_then(<[u8]>::first_chunk_mut::<N>);
+        if let (Some(new), Some(old)) = (new, old.first_chunk::<N>()) {
+            *new = *old;
+        }
+    }
+}
+
+/// A map's rows from `first` on, which marks the pixels that lie in the photograph.
+#[derive(Debug)]
+struct Band<'a> {
+    map: &'a dyn Map,
+    first: i32,
+    width: usize,
+    /// The photograph's.
+    size: [u32; 2],
+    inside: Mutex<Vec<bool>>,
+}
+
+impl Band<'_> {
+    fn whole(&self, p: &Point2<f64>) -> Point2<f64> {
+        Point2::new(p.x, p.y + f64::from(self.first))
+    }
+}
+
+impl Map for Band<'_> {
+    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        self.map.at(&self.whole(screen))
+    }
+
+    fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+        self.map.jacobian(&self.whole(screen))
+    }
+
+    fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
+        self.map.row(line + self.first, samples, out);
+        let mut inside = self.inside.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = line as usize * self.width;
+        // As a lookup with a transparent border decides: by the texel that contains the point.
+        let within = |origin: i32, offset: f32, size: i64| {
+            let truncated = offset as i32;
+            let texel = origin + truncated - i32::from(offset < truncated as f32);
+            (0..size).contains(&i64::from(texel))
+        };
+        let [w, h] = self.size.map(i64::from);
+        for run in out.runs() {
+            let (u, v) = out.offsets(run);
+            for ((x, u), v) in run.pixels().zip(u).zip(v) {
+                if let Some(mark) = inside.get_mut(start + x as usize) {
+                    *mark = within(run.origin[0], *u, w) && within(run.origin[1], *v, h);
+                }
+            }
+        }
+    }
+}
