@@ -53,6 +53,20 @@ fn colmaps_folders_project_as_colmap_does() {
     }
 }
 
+/// The 48 bytes that pycolmap 4.2.1 writes for one panorama of 2000 × 1000 pixels, camera 1.
+#[test]
+fn a_folder_of_panoramas_alone_is_read() {
+    let mut bytes = 1u64.to_le_bytes().to_vec();
+    [1u32, 17].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    [2000u64, 1000].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    [2000.0f64, 1000.0].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    let none = 0u64.to_le_bytes();
+    let model = Reconstruction::parse_binary(&bytes, &none, &none).unwrap();
+    assert_eq!(model.cameras[&1].model, "EQUIRECTANGULAR");
+    assert_eq!(model.cameras[&1].parameters, [2000.0, 1000.0]);
+    assert_eq!(model.encode(Encoding::Binary).unwrap()[0], bytes);
+}
+
 #[test]
 fn colmaps_files_are_written_as_colmap_writes_them() {
     let text = Reconstruction::read(&oracle("colmap/text")).unwrap();
