@@ -317,6 +317,10 @@ pub fn to_text(camera: &CameraFile, form: Form) -> Result<String, Error> {
         }
         _ => return refused("OpenCV has no such model"),
     };
+    // `projectPoints` and `undistortPoints` pass over the skew in the matrix; `omnidir` has it.
+    if *skew != 0.0 && lens.iter().all(|(name, _)| *name != "xi") {
+        return Err(unsupported("interior.skew", skew.to_string(), "OpenCV has no skew").into());
+    }
     let exterior = camera.exterior.orientation()?;
     let turn = RotationVector::from_rotation(&exterior.camera_from_world());
     let matrix = vec![f[0], *skew, c[0] - 0.5, 0.0, f[1], c[1] - 0.5, 0.0, 0.0, 1.0];
