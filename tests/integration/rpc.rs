@@ -613,6 +613,13 @@ fn what_lies_outside_the_model_is_an_error() {
     assert!(rpc.project(&inside(1.99, -1.99, 1.99)).is_ok());
     let nan = rpc.project_degrees(f64::NAN, 5.2, EllipsoidalHeight(900.0));
     assert_eq!(nan, Err(ProjectionError::NotFinite));
+    // A picture at the pole sees no place beyond it.
+    let mut r = record();
+    r.latitude_offset_deg = 89.99;
+    let polar = Rpc::from_rpc00b(&r).unwrap();
+    let at = |latitude| polar.project_degrees(latitude, 5.2, EllipsoidalHeight(900.0));
+    assert!(at(90.0).is_ok());
+    assert_eq!(at(90.001), Err(ProjectionError::OutsideDomain { value: 90.001, limit: 90.0 }));
     let wide = rpc.with_domain(3.0).unwrap();
     assert!(wide.project(&inside(2.01, 0.0, 0.0)).is_ok() && wide.domain() == 3.0);
     assert!(rpc.with_domain(0.5).is_err() && rpc.with_domain(f64::NAN).is_err());
