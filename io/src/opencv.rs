@@ -37,7 +37,7 @@ impl Form {
     }
 }
 
-/// The cameras of a calibration: one for each row of `extrinsic_parameters` ("view 0", …), or one where `rvec` and `tvec` say,
+/// The cameras of a calibration: one for each row of `extrinsic_parameters` (`view_0`, …), or one where `rvec` and `tvec` say,
 /// or at the origin.
 ///
 /// | field | names that are read |
@@ -244,7 +244,7 @@ impl Calibration {
                 return Err(unsupported("extrinsic_parameters", found, expected).into());
             }
             let views = rows.chunks(6).enumerate();
-            return Ok(views.map(|(i, v)| (format!("view {i}"), pose(&v[..3], &v[3..]))).collect());
+            return Ok(views.map(|(i, v)| (format!("view_{i}"), pose(&v[..3], &v[3..]))).collect());
         }
         let (turn, shift) = (self.numbers(&["rvec"])?, self.numbers(&["tvec"])?);
         match (turn.as_deref(), shift.as_deref()) {

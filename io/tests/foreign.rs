@@ -90,6 +90,27 @@ fn colmaps_files_are_written_as_colmap_writes_them() {
     }
 }
 
+/// pycolmap 4.2.1 takes the binary form of a folder before the text, and the poses of `frames` before those of `images`.
+#[test]
+fn a_folder_that_colmap_would_read_otherwise_is_not_written_into() {
+    let model = Reconstruction::read(&oracle("colmap/text")).unwrap();
+    for (there, encoding) in [
+        ("cameras.bin", Encoding::Text),
+        ("rigs.txt", Encoding::Text),
+        ("frames.bin", Encoding::Binary),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(there), "").unwrap();
+        let error = model.write(folder.path(), encoding).unwrap_err().to_string();
+        assert!(error.contains(&format!("holds {there}, which COLMAP")), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for encoding in [Encoding::Text, Encoding::Binary, Encoding::Binary] {
+        model.write(folder.path(), encoding).unwrap();
+    }
+}
+
 /// pycolmap 4.2.1 reads `photo 1.jpg` of `images.txt` as `photo`; out of `images.bin` as it is.
 #[test]
 fn names_with_spaces_are_for_the_binary_form() {
@@ -144,7 +165,7 @@ fn opencvs_calibrations_project_as_opencv_does() {
                     sees(camera, *world, [x + 0.5, y + 0.5]);
                 }
             }
-            assert!(view == "view 0" || view == "view 1");
+            assert!(view == "view_0" || view == "view_1");
         }
     }
 }
@@ -170,7 +191,7 @@ fn bundlers_cameras_look_along_minus_z_with_y_up() {
     let bundle = Bundle::parse(BUNDLE).unwrap();
     let cameras = photographs::parse(BUNDLE, Some([640, 480])).unwrap();
     let [(name, camera)] = &cameras[..] else { panic!() };
-    assert_eq!(name, "camera 1");
+    assert_eq!(name, "camera_1");
     // P = (−4, 6, −10), p = (−0.4, 0.6), r² = 0.52: 1 − 0.052 + 0.005408 = 0.953408.
     let (x, y) = (-200.0 * 0.953_408, 300.0 * 0.953_408);
     sees(camera, [4.0, 5.0, -7.0], [320.0 + x, 240.0 - y]);
@@ -188,7 +209,7 @@ fn bundlers_cameras_look_along_minus_z_with_y_up() {
     refuses(&BUNDLE.replace("2 1\n0", "99999999999 1\n0"), "is `");
     refuses(
         &BUNDLE.replace("0 -1 0", "0 -2 0"),
-        "camera 1.exterior.rotation_matrix: is no rotation",
+        "camera_1.exterior.rotation_matrix: is no rotation",
     );
     refuses(&BUNDLE.replace("500", "nan"), "line 8: f, k1, k2 is `nan`");
     let error = photographs::parse(BUNDLE, None).unwrap_err().to_string();
