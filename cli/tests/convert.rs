@@ -105,6 +105,19 @@ fn what_cannot_be_converted_is_refused_and_nothing_is_written() {
         assert!(run.stderr.contains(expected), "{}", run.stderr);
     };
     says(&["convert", "sparse", "--to", "camera", "-o", "sparse"], 2, "name another output");
+    let before = folder.text("sparse/images.txt");
+    for to in ["bundler", "camera"] {
+        let over = ["convert", "sparse", "--to", to, "-o", "sparse/images.txt"];
+        says(&over, 2, "sparse/images.txt is both the cameras and the output (-o)");
+    }
+    #[cfg(unix)]
+    {
+        std::fs::create_dir(folder.path("model")).unwrap();
+        let link = folder.path("model/images.txt");
+        std::os::unix::fs::symlink(folder.path("sparse/images.txt"), link).unwrap();
+        says(&["convert", "sparse", "--to", "colmap", "-o", "model"], 2, "are the same file");
+    }
+    assert_eq!(folder.text("sparse/images.txt"), before);
     let other = ["convert", "sparse", "--to", "camera", "--photograph", "c.jpg", "-o", "out"];
     says(&other, 1, "sparse: has no photograph `c.jpg`: left/a.jpg, right/a.jpg");
     says(&["convert", "nowhere", "--to", "camera", "-o", "out"], 1, "nowhere: cannot be read");
@@ -143,14 +156,14 @@ fn bundlers_file_needs_the_size_of_the_pictures() {
         "{}",
         run.stderr
     );
-    let back =
-        ["convert", "bundle.out", "--size", "640x480", "--to", "colmap-binary", "-o", "model"];
+    // The names that photographs get here are for COLMAP's text, too.
+    let back = ["convert", "bundle.out", "--size", "640x480", "--to", "colmap", "-o", "model"];
     folder.succeed(&back);
     folder.succeed(&[
         "convert",
         "model",
         "--photograph",
-        "camera 1",
+        "camera_1",
         "--to",
         "camera",
         "-o",

@@ -223,14 +223,14 @@ impl Bundle {
         text
     }
 
-    /// The registered photographs' cameras, for pictures of this size; named by their numbers from 0, as `camera 3`.
+    /// The registered photographs' cameras, for pictures of this size; named by their numbers from 0, as `camera_3`.
     ///
     /// # Errors
     /// [`ErrorKind::Field`] for a camera out of its domain, as with an R that is no rotation.
     pub fn photographs(&self, size: [u32; 2]) -> Result<Vec<(String, CameraFile)>, Error> {
         let mut photographs = Vec::new();
         for (i, camera) in self.cameras.iter().enumerate().filter(|(_, c)| c.focal != 0.0) {
-            let name = format!("camera {i}");
+            let name = format!("camera_{i}");
             let file = camera.file(size);
             file.check().map_err(|e| Error::from(e.under(&name)))?;
             photographs.push((name, file));

@@ -11,7 +11,7 @@ mod text;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use collinear::camera::{COLMAP_MODELS, ExteriorOrientation};
 use collinear::geometry::rotation::Quaternion;
@@ -110,6 +110,19 @@ pub struct Point {
 /// The names of the three files without their extension.
 const FILES: [&str; 3] = ["cameras", "images", "points3D"];
 
+/// The three files of a folder: `cameras`, `images` and `points3D`.
+///
+/// ```
+/// use collinear_io::colmap::{Encoding, files};
+/// use std::path::Path;
+///
+/// assert_eq!(files(Path::new("sparse"), Encoding::Text)[0], Path::new("sparse/cameras.txt"));
+/// ```
+#[must_use]
+pub fn files(folder: &Path, encoding: Encoding) -> [PathBuf; 3] {
+    FILES.map(|name| folder.join(name).with_extension(encoding.extension()))
+}
+
 /// Adds what one of the files holds, as text.
 type ParseText = fn(&str, &mut Reconstruction) -> Result<(), Error>;
 /// As bytes.
@@ -206,13 +219,21 @@ impl Reconstruction {
     /// To three files in a folder, which is made; each is written beside its place and renamed.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode) and [`write_atomically`].
+    /// As [`encode`](Self::encode) and [`write_atomically`]; [`ErrorKind::FolderTaken`] where the folder has `rigs` and
+    /// `frames`, whose poses COLMAP takes before those of `images`, or `cameras.bin`, before any text.
     pub fn write(&self, folder: &Path, encoding: Encoding) -> Result<(), Error> {
         let contents = self.encode(encoding).map_err(|e| e.in_file(folder))?;
+        let first: &[&str] = match encoding {
+            Encoding::Text => &["cameras.bin", "rigs.txt", "frames.txt"],
+            Encoding::Binary => &["rigs.bin", "frames.bin"],
+        };
+        if let Some(file) = first.iter().find(|file| folder.join(file).exists()) {
+            let taken = ErrorKind::FolderTaken { file: (*file).to_owned() };
+            return Err(Error::from(taken).in_file(folder));
+        }
         fs::create_dir_all(folder).map_err(|e| Error::from(ErrorKind::Write(e)).in_file(folder))?;
-        for (name, bytes) in FILES.iter().zip(contents) {
-            let path = folder.join(name).with_extension(encoding.extension());
-            write_atomically(&path, |w| w.write_all(&bytes))?;
+        for (path, bytes) in files(folder, encoding).iter().zip(contents) {
+            write_atomically(path, |w| w.write_all(&bytes))?;
         }
         Ok(())
     }

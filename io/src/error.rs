@@ -212,6 +212,12 @@ pub enum ErrorKind {
     /// A format without the size of its pictures, and none was given.
     #[error("does not say how large its pictures are: give their width and height")]
     NoPictureSize,
+    /// A folder that holds a file which COLMAP would read in place of what is to be written, or beside it.
+    #[error("holds {file}, which COLMAP would read too: name another folder, or remove that file")]
+    FolderTaken {
+        /// The file's name.
+        file: String,
+    },
     /// A text of another program is not in its format.
     #[error("is no file of {program}'s: {reason}")]
     Foreign {

@@ -5,7 +5,8 @@ mod header;
 mod message;
 pub(crate) mod object;
 
-use std::fs;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use serde::Serialize;
@@ -88,11 +89,23 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
 
 /// A file of limited length.
 pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
-    let bytes = fs::metadata(path).map_err(ErrorKind::Read)?.len();
-    if bytes > limit {
-        return Err(ErrorKind::TooLong { bytes, limit }.into());
+    read_rest(&mut File::open(path).map_err(ErrorKind::Read)?, vec![], limit)
+}
+
+/// What follows the bytes that were read of an open file; with them not longer than the limit.
+pub(crate) fn read_rest(file: &mut File, start: Vec<u8>, limit: u64) -> Result<Vec<u8>, Error> {
+    let length = file.metadata().map_err(ErrorKind::Read)?.len();
+    if length > limit {
+        return Err(ErrorKind::TooLong { bytes: length, limit }.into());
     }
-    Ok(fs::read(path).map_err(ErrorKind::Read)?)
+    // A pipe or a device does not say how long it is.
+    let mut bytes = start;
+    let most = (limit + 1).saturating_sub(bytes.len() as u64);
+    file.take(most).read_to_end(&mut bytes).map_err(ErrorKind::Read)?;
+    match bytes.len() as u64 {
+        bytes if bytes > limit => Err(ErrorKind::TooLong { bytes, limit }.into()),
+        _ => Ok(bytes),
+    }
 }
 
 /// Any JSON, its errors with the path to the bad field.

@@ -37,7 +37,7 @@ impl Form {
     }
 }
 
-/// The cameras of a calibration: one for each row of `extrinsic_parameters` ("view 0", …), or one where `rvec` and `tvec` say,
+/// The cameras of a calibration: one for each row of `extrinsic_parameters` (`view_0`, …), or one where `rvec` and `tvec` say,
 /// or at the origin.
 ///
 /// | field | names that are read |
@@ -244,7 +244,7 @@ impl Calibration {
                 return Err(unsupported("extrinsic_parameters", found, expected).into());
             }
             let views = rows.chunks(6).enumerate();
-            return Ok(views.map(|(i, v)| (format!("view {i}"), pose(&v[..3], &v[3..]))).collect());
+            return Ok(views.map(|(i, v)| (format!("view_{i}"), pose(&v[..3], &v[3..]))).collect());
         }
         let (turn, shift) = (self.numbers(&["rvec"])?, self.numbers(&["tvec"])?);
         match (turn.as_deref(), shift.as_deref()) {
@@ -317,6 +317,10 @@ pub fn to_text(camera: &CameraFile, form: Form) -> Result<String, Error> {
         }
         _ => return refused("OpenCV has no such model"),
     };
+    // `projectPoints` and `undistortPoints` pass over the skew in the matrix; `omnidir` has it.
+    if *skew != 0.0 && lens.iter().all(|(name, _)| *name != "xi") {
+        return Err(unsupported("interior.skew", skew.to_string(), "OpenCV has no skew").into());
+    }
     let exterior = camera.exterior.orientation()?;
     let turn = RotationVector::from_rotation(&exterior.camera_from_world());
     let matrix = vec![f[0], *skew, c[0] - 0.5, 0.0, f[1], c[1] - 0.5, 0.0, 0.0, 1.0];

@@ -325,6 +325,22 @@ fn an_unknown_file_says_what_is_read() {
     assert_eq!(parse(txt.as_bytes()).unwrap(), expected());
 }
 
+/// Neither says how long it is.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipe_is_read_and_a_device_without_end_is_refused() {
+    use std::io::Write;
+    use std::os::fd::AsRawFd;
+
+    let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
+    assert!(error.contains("16777217 bytes"), "{error}");
+    let (pipe, mut into) = std::io::pipe().unwrap();
+    into.write_all(text_of("little.RPB").as_bytes()).unwrap();
+    drop(into);
+    let path = format!("/dev/fd/{}", pipe.as_raw_fd());
+    assert_eq!(read(Path::new(&path)).unwrap(), expected());
+}
+
 #[test]
 fn tiff_files_that_are_cut_off_or_wrong_are_refused_with_numbers() {
     for name in ["little.tif", "big.tif"] {

@@ -428,6 +428,11 @@ fn control_points_that_do_not_determine_a_correction_are_refused() {
     assert!(rpc.correct(&slope, CorrectionModel::ShiftAndDrift).is_ok());
 
     let mut bad = one;
+    for sigma in [1e-320, 1e300, f64::NAN] {
+        bad[0].sigma[1] = sigma;
+        let error = rpc.correct(&bad, CorrectionModel::Shift).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
+    }
     bad[0].sigma[1] = 0.0;
     let error = rpc.correct(&bad, CorrectionModel::Shift).unwrap_err();
     assert!(matches!(error, Error::OutOfRange { value: 0.0, .. }), "{error}");
@@ -595,6 +600,9 @@ fn grids_that_cannot_be_fitted_are_refused() {
     ] {
         assert!(matches!(Rpc::fit(&ground, &good, &bad), Err(Error::OutOfRange { .. })), "{bad:?}");
     }
+    let many = FitOptions { max_iterations: 2000, ..options };
+    let error = Rpc::fit(&ground, &good, &many).unwrap_err().to_string();
+    assert_eq!(error, "rounds of a fit is 2000, expected from 1 to 1000");
     // Nothing but one place: no extent on the ground.
     let nowhere = |_: &Point2<f64>, h| {
         Geodetic::from_degrees(44.0, 5.0, h).map_err(|_| ProjectionError::NotFinite)
@@ -613,6 +621,13 @@ fn what_lies_outside_the_model_is_an_error() {
     assert!(rpc.project(&inside(1.99, -1.99, 1.99)).is_ok());
     let nan = rpc.project_degrees(f64::NAN, 5.2, EllipsoidalHeight(900.0));
     assert_eq!(nan, Err(ProjectionError::NotFinite));
+    // A picture at the pole sees no place beyond it.
+    let mut r = record();
+    r.latitude_offset_deg = 89.99;
+    let polar = Rpc::from_rpc00b(&r).unwrap();
+    let at = |latitude| polar.project_degrees(latitude, 5.2, EllipsoidalHeight(900.0));
+    assert!(at(90.0).is_ok());
+    assert_eq!(at(90.001), Err(ProjectionError::OutsideDomain { value: 90.001, limit: 90.0 }));
     let wide = rpc.with_domain(3.0).unwrap();
     assert!(wide.project(&inside(2.01, 0.0, 0.0)).is_ok() && wide.domain() == 3.0);
     assert!(rpc.with_domain(0.5).is_err() && rpc.with_domain(f64::NAN).is_err());

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use collinear::geometry::projection::ClipConvention;
 use collinear_cli::convert::{Target, outputs, write};
 use collinear_io::Document;
-use collinear_io::colmap::Encoding;
+use collinear_io::colmap::{self, Encoding};
 use collinear_io::opencv::Form;
 use collinear_io::photographs;
 use collinear_io::rpc::{RpcFile, read_if_rpc};
@@ -107,6 +107,13 @@ impl Arguments {
     pub(crate) fn run(&self) -> Result<()> {
         let mut files = Files::default();
         files.input("the cameras", &self.input)?;
+        if self.input.is_dir() {
+            for encoding in [Encoding::Text, Encoding::Binary] {
+                for path in colmap::files(&self.input, encoding) {
+                    files.input("the cameras", &path)?;
+                }
+            }
+        }
         files.output("the output (-o)", &self.output)?;
         let rational = if self.input.is_file() { read_if_rpc(&self.input)? } else { None };
         let target = match (self.to_what()?, rational) {
@@ -142,6 +149,11 @@ impl Arguments {
         }
         for path in outputs(&cameras, target, &self.output).map_err(|e| in_file(&self.input, e))? {
             if path != self.output {
+                files.output("an output", &path)?;
+            }
+        }
+        if let Target::Colmap(encoding) = target {
+            for path in colmap::files(&self.output, encoding) {
                 files.output("an output", &path)?;
             }
         }

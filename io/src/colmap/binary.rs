@@ -95,7 +95,8 @@ fn twice(what: &'static str, offset: usize, found: u64) -> Error {
 
 pub(super) fn cameras(bytes: &[u8], model: &mut Reconstruction) -> Result<(), Error> {
     let mut r = Reader { bytes, at: 0 };
-    for _ in 0..r.count(48, "number of cameras")? {
+    // The shortest camera is EQUIRECTANGULAR, which has two parameters.
+    for _ in 0..r.count(40, "number of cameras")? {
         let start = r.at;
         let id = r.u32("camera's identifier")?;
         let offset = r.at as u64;

@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use crate::atomic::write_atomically;
 use crate::check::{finite, in_range};
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem, RpcProblem};
-use crate::json::{Document, object, read_bytes};
+use crate::json::{Document, object, read_bytes, read_rest};
 
 pub use dimap::parse_xml;
 pub use geotiff::read_geotiff;
@@ -158,7 +158,8 @@ fn read_any(path: &Path) -> Result<RpcFile, Error> {
     if known == 4 && geotiff::is_tiff(start) {
         return read_geotiff(&mut file);
     }
-    parse(&read_bytes(path, MAX_TEXT_BYTES)?)
+    // The rest of the same file: a pipe cannot be opened twice.
+    parse(&read_rest(&mut file, start[..known].to_vec(), MAX_TEXT_BYTES)?)
 }
 
 /// As [`read`], from the bytes of a text file.

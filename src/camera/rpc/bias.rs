@@ -78,8 +78,8 @@ impl Rpc {
     /// # Errors
     /// [`Error::TooFewPoints`]; [`Error::Degenerate`] where the points lie on one line of the picture (for the drift) or on
     /// one straight line (affine): the spread across it, in half sizes of the picture, is not above 10⁻⁶;
-    /// [`Error::OutOfRange`] for a standard deviation that is not above 0; [`Error::NotFinite`]; [`Error::Projection`]
-    /// for a control point outside the domain.
+    /// [`Error::OutOfRange`] for a standard deviation that is not from 10⁻⁹ to 10⁹ px; [`Error::NotFinite`];
+    /// [`Error::Projection`] for a control point outside the domain.
     ///
     /// # Example
     /// Two points measured 2 px right of where the model of [`Rpc`]'s example has them, one of them 1 px down, one 1 px up:
@@ -129,9 +129,11 @@ impl Rpc {
                 return Err(Error::NotFinite { what: "control point" });
             }
             for value in point.sigma {
-                if !(value > 0.0 && value.is_finite()) {
+                // Their squares must not overflow in the covariance.
+                if !(1e-9..=1e9).contains(&value) {
                     let what = "standard deviation of a control point";
-                    return Err(Error::OutOfRange { what, value, expected: "above 0" });
+                    let expected = "from 10⁻⁹ to 10⁹ pixels";
+                    return Err(Error::OutOfRange { what, value, expected });
                 }
             }
             let q = bare.project(&point.ground)?;

@@ -121,13 +121,11 @@ impl Rpc {
         if nodes.len() < needed {
             return Err(Error::TooFewPoints { needed, got: nodes.len() });
         }
-        for (what, value) in [
-            ("regularisation of a fit", options.regularisation),
-            ("rounds of a fit", f64::from(options.max_iterations) / 1000.0),
+        for (what, value, range, expected) in [
+            ("regularisation of a fit", options.regularisation, 0.0..=1.0, "from 0 to 1"),
+            ("rounds of a fit", options.max_iterations.into(), 1.0..=1000.0, "from 1 to 1000"),
         ] {
-            let positive = value > 0.0 || what.starts_with("regularisation") && value == 0.0;
-            if !(positive && value <= 1.0) {
-                let expected = "from 0 to 1, or from 1 to 1000 rounds";
+            if !range.contains(&value) {
                 return Err(Error::OutOfRange { what, value, expected });
             }
         }

@@ -245,6 +245,10 @@ impl Rpc {
         height: EllipsoidalHeight,
     ) -> Result<Point2<f64>, ProjectionError> {
         let record = &self.record;
+        // Past the pole, where the polynomials mean nothing.
+        if latitude_deg.abs() > 90.0 {
+            return Err(ProjectionError::OutsideDomain { value: latitude_deg.abs(), limit: 90.0 });
+        }
         let east = longitude_deg - record.longitude_offset_deg;
         let east = east + 360.0 * turns(east, 360.0);
         let ground = self.checked([
