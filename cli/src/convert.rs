@@ -9,6 +9,7 @@ use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gpu::GpuCamera;
 use collinear_io::opencv::{self, Form};
+use collinear_io::opensfm;
 use collinear_io::{Document, write_atomically};
 
 /// What is written.
@@ -20,6 +21,8 @@ pub enum Target {
     Bundler,
     /// A folder of COLMAP's.
     Colmap(Encoding),
+    /// OpenSfM's `reconstruction.json`, without points.
+    OpenSfm,
     /// Calibrations of OpenCV's.
     OpenCv(Form),
     /// Matrices of a graphics interface, with the depths of the near and the far plane.
@@ -32,7 +35,7 @@ impl Target {
         match self {
             Self::Camera | Self::Gpu(..) | Self::OpenCv(Form::Json) => Some("json"),
             Self::OpenCv(Form::Yaml) => Some("yml"),
-            Self::Colmap(_) | Self::Bundler => None,
+            Self::Colmap(_) | Self::Bundler | Self::OpenSfm => None,
         }
     }
 }
@@ -90,6 +93,10 @@ pub fn write(
         Target::Bundler => {
             let text = Bundle::from_photographs(photographs)?.to_text();
             write_atomically(output, |w| w.write_all(text.as_bytes()))?;
+            return Ok(paths);
+        }
+        Target::OpenSfm => {
+            opensfm::Reconstruction::from_photographs(photographs)?.write(output)?;
             return Ok(paths);
         }
         Target::Camera => &Document::to_json,

@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | camera, scanner, plane, map, scene | [`camera`], [`scanner`], [`plane`], [`map`], [`scene`] | JSON, `docs/formats.md` |
 //! | a sensor of any kind | [`sensor`] | one of the above |
-//! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
+//! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json` of every camera type, `tracks.csv` |
 //! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
 //! | cameras of a calibration | [`opencv`] | OpenCV's YAML and JSON, ROS's `camera_info` |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |

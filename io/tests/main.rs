@@ -11,6 +11,7 @@ mod formats_page;
 mod gtx;
 mod hostile;
 mod opensfm;
+mod opensfm_types;
 mod pictures;
 mod points;
 mod rpc;

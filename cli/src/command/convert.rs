@@ -58,6 +58,8 @@ enum Format {
     ColmapBinary,
     /// Bundler's bundle.out, version 0.3
     Bundler,
+    /// OpenSfM's and ODM's reconstruction.json
+    Opensfm,
     /// OpenCV's FileStorage, YAML
     Opencv,
     /// OpenCV's FileStorage, JSON
@@ -168,6 +170,7 @@ impl Arguments {
             Format::Colmap => Target::Colmap(Encoding::Text),
             Format::ColmapBinary => Target::Colmap(Encoding::Binary),
             Format::Bundler => Target::Bundler,
+            Format::Opensfm => Target::OpenSfm,
             Format::Opencv => Target::OpenCv(Form::Yaml),
             Format::OpencvJson => Target::OpenCv(Form::Json),
             Format::Opengl => matrices(ClipConvention::OpenGl)?,
