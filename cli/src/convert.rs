@@ -9,8 +9,8 @@ use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gpu::GpuCamera;
 use collinear_io::opencv::{self, Form};
-use collinear_io::opensfm;
 use collinear_io::{Document, write_atomically};
+use collinear_io::{metashape, opensfm};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,8 @@ pub enum Target {
     Colmap(Encoding),
     /// OpenSfM's `reconstruction.json`, without points.
     OpenSfm,
+    /// Agisoft Metashape's exported cameras.
+    Metashape,
     /// Calibrations of OpenCV's.
     OpenCv(Form),
     /// Matrices of a graphics interface, with the depths of the near and the far plane.
@@ -35,7 +37,8 @@ impl Target {
         match self {
             Self::Camera | Self::Gpu(..) | Self::OpenCv(Form::Json) => Some("json"),
             Self::OpenCv(Form::Yaml) => Some("yml"),
-            Self::Colmap(_) | Self::Bundler | Self::OpenSfm => None,
+            Self::OpenCv(Form::Xml) => Some("xml"),
+            Self::Colmap(_) | Self::Bundler | Self::OpenSfm | Self::Metashape => None,
         }
     }
 }
@@ -97,6 +100,10 @@ pub fn write(
         }
         Target::OpenSfm => {
             opensfm::Reconstruction::from_photographs(photographs)?.write(output)?;
+            return Ok(paths);
+        }
+        Target::Metashape => {
+            metashape::write(photographs, output)?;
             return Ok(paths);
         }
         Target::Camera => &Document::to_json,

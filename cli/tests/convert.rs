@@ -184,6 +184,33 @@ fn photographs_become_a_reconstruction_of_opensfms() {
 }
 
 #[test]
+fn photographs_become_metashapes_and_opencvs_xml() {
+    let folder = folder();
+    folder.succeed(&["convert", "sparse", "--to", "metashape", "-o", "cameras.xml"]);
+    let text = folder.text("cameras.xml");
+    assert!(text.contains("<f>500</f><cx>0</cx><cy>0</cy><k1>-0.1</k1>"), "{text}");
+    assert!(text.contains("<transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</transform>"), "{text}");
+    let one = "right/a.jpg";
+    folder.succeed(&[
+        "convert",
+        "cameras.xml",
+        "--photograph",
+        one,
+        "--to",
+        "opencv-xml",
+        "-o",
+        "a.xml",
+    ]);
+    let text = folder.text("a.xml");
+    assert!(text.contains("500.0 0.0 319.5 0.0 500.0 239.5 0.0 0.0 1.0</data>"), "{text}");
+    folder.succeed(&["convert", "a.xml", "--to", "camera", "-o", "a.json"]);
+    let camera = CameraFile::parse(&folder.text("a.json")).unwrap();
+    for (found, expected) in camera.exterior.projection_center.iter().zip([-2.0, 1.0, -3.0]) {
+        assert!((found - expected).abs() < 1e-14, "{camera:?}");
+    }
+}
+
+#[test]
 fn a_rational_camera_goes_from_form_to_form() {
     let folder = folder();
     let zeros = |first: &str| format!("[{first}{}]", ", 0".repeat(20 - first.split(',').count()));

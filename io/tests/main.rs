@@ -10,6 +10,7 @@ mod foreign;
 mod formats_page;
 mod gtx;
 mod hostile;
+mod metashape;
 mod opensfm;
 mod opensfm_types;
 mod pictures;

@@ -19,7 +19,7 @@ use super::{Files, Size, UsageError, in_file, positive, say};
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
     /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, Bundler's bundle.out, an
-    /// OpenCV calibration; or a file with an RPC
+    /// OpenCV calibration, Agisoft Metashape's exported cameras or calibration; or a file with an RPC
     #[arg(value_name = "CAMERAS")]
     input: PathBuf,
 
@@ -64,6 +64,10 @@ enum Format {
     Opencv,
     /// OpenCV's FileStorage, JSON
     OpencvJson,
+    /// OpenCV's FileStorage, XML
+    OpencvXml,
+    /// Agisoft Metashape's exported cameras, XML
+    Metashape,
     /// A rational polynomial camera, docs/formats.md
     Rpc,
     /// A rational polynomial camera as RPB
@@ -173,6 +177,8 @@ impl Arguments {
             Format::Opensfm => Target::OpenSfm,
             Format::Opencv => Target::OpenCv(Form::Yaml),
             Format::OpencvJson => Target::OpenCv(Form::Json),
+            Format::OpencvXml => Target::OpenCv(Form::Xml),
+            Format::Metashape => Target::Metashape,
             Format::Opengl => matrices(ClipConvention::OpenGl)?,
             Format::Direct3d => matrices(ClipConvention::Direct3d)?,
             Format::Vulkan => matrices(ClipConvention::Vulkan)?,
