@@ -189,7 +189,8 @@ fn photographs_become_metashapes_and_opencvs_xml() {
     folder.succeed(&["convert", "sparse", "--to", "metashape", "-o", "cameras.xml"]);
     let text = folder.text("cameras.xml");
     assert!(text.contains("<f>500</f><cx>0</cx><cy>0</cy><k1>-0.1</k1>"), "{text}");
-    assert!(text.contains("<transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</transform>"), "{text}");
+    // C = −Rᵀ t, as above.
+    assert!(text.contains("<transform>0 1 0 -2 -1 0 0 1 0 0 1 -3 0 0 0 1</transform>"), "{text}");
     let one = "right/a.jpg";
     folder.succeed(&[
         "convert",

@@ -42,6 +42,12 @@ fn every_type_images_as_opensfm_does() {
         let found = read.iter().find(|(n, _)| n == name).unwrap();
         found.1.interior.model()
     };
+    // Twice as wide as high: a whole panorama, which needs no scale.
+    let whole = |name: &str| {
+        let found = read.iter().find(|(n, _)| n == name).unwrap();
+        matches!(found.1.interior, Interior::Panorama { principal_distance: None, .. })
+    };
+    assert!(whole("spherical.jpg") && !whole("cut.jpg"));
     // The plainest model that is the same camera, so that other programs may have it too.
     for (name, model) in [
         ("perspective.jpg", "brown"),
