@@ -199,9 +199,8 @@ fn what_opensfm_does_not_have_is_refused_with_the_photograph() {
     // A principal point off the middle, or two principal distances, are Brown's.
     for interior in [
         format!(r#""model": "pinhole", {f}"#).replace("[500, 500]", "[500, 501]"),
-        format!(
-            r#""model": "colmap", "colmap_model": "PINHOLE", "parameters": [500, 500, 321, 240]"#
-        ),
+        r#""model": "colmap", "colmap_model": "PINHOLE", "parameters": [500, 500, 321, 240]"#
+            .to_owned(),
     ] {
         let text = write(&camera(&interior)).unwrap().to_json().unwrap();
         assert!(text.contains(r#""projection_type": "brown""#), "{text}");
