@@ -3,10 +3,13 @@
     python3 metashape.py FOLDER       (mpmath 1.3, 40 digits) writes FOLDER/cameras.xml, chunk.xml, calibration.xml, expected.json
     python3 metashape.py --read FILE  prints the images of the local points through the cameras of another document
 
-Equations: Agisoft, Metashape User Manual, Professional Edition, appendix "Camera models" (frame, fisheye, spherical, cylindrical).
-Metashape itself cannot be installed here. Layout: the exports printed in the tests of geograypher (document version 2.0.0, components with
-`rotation`, `translation` and `scale`, groups) and of EasyIDP (sensors without a calibration), and the calibration files printed in
-libvideoio's UndistorterPhotoscanXML and 4DGeo's readmes, all on GitHub. Frames: nerfstudio, process_data/metashape_utils.py at
+Equations: Agisoft, Metashape User Manual, Professional Edition, appendix "Camera models". The frame's were compared with the manual as a
+post of 5 August 2022 on Agisoft's forum quotes it. The others were written down without the manual's text at hand: that the
+fisheye is equidistant is confirmed by photogrammetrycommunity.github.io/metashape-expert-manual, "Fisheye and spherical sensors"; how it is
+decentred, and the two panoramas, still are to be compared. Metashape itself cannot be installed here. Layout: the exports printed in
+the tests of geograypher (document version 2.0.0, components with `rotation`, `translation` and `scale`, groups) and of EasyIDP
+(sensors without a calibration), and the calibration file printed in libvideoio's UndistorterPhotoscanXML, all on GitHub.
+Frames: nerfstudio, process_data/metashape_utils.py at
 027afabe, turns y and z of the 16 numbers, row by row, to get a camera that looks along -z with y up.
 """
 
