@@ -10,6 +10,7 @@ use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gpu::GpuCamera;
 use collinear_io::opencv::{self, Form};
 use collinear_io::{Document, write_atomically};
+use collinear_io::{metashape, opensfm};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,10 @@ pub enum Target {
     Bundler,
     /// A folder of COLMAP's.
     Colmap(Encoding),
+    /// OpenSfM's `reconstruction.json`, without points.
+    OpenSfm,
+    /// Agisoft Metashape's exported cameras.
+    Metashape,
     /// Calibrations of OpenCV's.
     OpenCv(Form),
     /// Matrices of a graphics interface, with the depths of the near and the far plane.
@@ -32,7 +37,8 @@ impl Target {
         match self {
             Self::Camera | Self::Gpu(..) | Self::OpenCv(Form::Json) => Some("json"),
             Self::OpenCv(Form::Yaml) => Some("yml"),
-            Self::Colmap(_) | Self::Bundler => None,
+            Self::OpenCv(Form::Xml) => Some("xml"),
+            Self::Colmap(_) | Self::Bundler | Self::OpenSfm | Self::Metashape => None,
         }
     }
 }
@@ -90,6 +96,14 @@ pub fn write(
         Target::Bundler => {
             let text = Bundle::from_photographs(photographs)?.to_text();
             write_atomically(output, |w| w.write_all(text.as_bytes()))?;
+            return Ok(paths);
+        }
+        Target::OpenSfm => {
+            opensfm::Reconstruction::from_photographs(photographs)?.write(output)?;
+            return Ok(paths);
+        }
+        Target::Metashape => {
+            metashape::write(photographs, output)?;
             return Ok(paths);
         }
         Target::Camera => &Document::to_json,

@@ -176,6 +176,55 @@ fn bundlers_file_needs_the_size_of_the_pictures() {
 }
 
 #[test]
+fn photographs_become_a_reconstruction_of_opensfms() {
+    let folder = folder();
+    folder.succeed(&["convert", "sparse", "--to", "opensfm", "-o", "reconstruction.json"]);
+    let all: Value = serde_json::from_str(&folder.text("reconstruction.json")).unwrap();
+    // f = 500 of the longer side, 640; COLMAP's SIMPLE_RADIAL has its principal point in the middle here.
+    let camera = &all[0]["cameras"]["camera 1"];
+    assert_eq!(
+        *camera,
+        serde_json::json!({ "projection_type": "perspective", "width": 640, "height": 480, "focal": 0.78125, "k1": -0.1,
+            "k2": 0.0 })
+    );
+    let shot = &all[0]["shots"]["right/a.jpg"];
+    assert_eq!(shot["translation"], serde_json::json!([1.0, 2.0, 3.0]));
+    let turn = shot["rotation"][2].as_f64().unwrap();
+    assert!((turn - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{shot}");
+    folder.succeed(&["convert", "reconstruction.json", "--to", "colmap", "-o", "again"]);
+    let images = folder.text("again/images.txt");
+    assert!(images.contains(" right/a.jpg"), "{images}");
+}
+
+#[test]
+fn photographs_become_metashapes_and_opencvs_xml() {
+    let folder = folder();
+    folder.succeed(&["convert", "sparse", "--to", "metashape", "-o", "cameras.xml"]);
+    let text = folder.text("cameras.xml");
+    assert!(text.contains("<f>500</f><cx>0</cx><cy>0</cy><k1>-0.1</k1>"), "{text}");
+    // C = −Rᵀ t, as above.
+    assert!(text.contains("<transform>0 1 0 -2 -1 0 0 1 0 0 1 -3 0 0 0 1</transform>"), "{text}");
+    let one = "right/a.jpg";
+    folder.succeed(&[
+        "convert",
+        "cameras.xml",
+        "--photograph",
+        one,
+        "--to",
+        "opencv-xml",
+        "-o",
+        "a.xml",
+    ]);
+    let text = folder.text("a.xml");
+    assert!(text.contains("500.0 0.0 319.5 0.0 500.0 239.5 0.0 0.0 1.0</data>"), "{text}");
+    folder.succeed(&["convert", "a.xml", "--to", "camera", "-o", "a.json"]);
+    let camera = CameraFile::parse(&folder.text("a.json")).unwrap();
+    for (found, expected) in camera.exterior.projection_center.iter().zip([-2.0, 1.0, -3.0]) {
+        assert!((found - expected).abs() < 1e-14, "{camera:?}");
+    }
+}
+
+#[test]
 fn a_rational_camera_goes_from_form_to_form() {
     let folder = folder();
     let zeros = |first: &str| format!("[{first}{}]", ", 0".repeat(20 - first.split(',').count()));

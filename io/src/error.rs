@@ -206,7 +206,7 @@ pub enum ErrorKind {
     Grid(#[from] GridProblem),
     /// A file without cameras, or of a kind that is not known.
     #[error(
-        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out or an OpenCV calibration (docs/coming-from.md)"
+        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out, an OpenCV calibration or Metashape's XML (docs/coming-from.md)"
     )]
     NotCameras,
     /// A format without the size of its pictures, and none was given.

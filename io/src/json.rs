@@ -15,6 +15,7 @@ use serde::de::DeserializeOwned;
 use crate::atomic::write_atomically;
 use crate::error::{Error, ErrorKind, FieldError};
 
+pub(crate) use formatter::to_text;
 pub(crate) use header::kind_of;
 use header::{Body, Headed};
 
@@ -63,7 +64,7 @@ pub trait Document: Serialize + DeserializeOwned {
     /// [`ErrorKind::Field`] where [`check`](Self::check) refuses a value.
     fn to_json(&self) -> Result<String, Error> {
         self.check()?;
-        formatter::to_text(&Headed { collinear: Self::KIND, version: Self::VERSION, body: self })
+        to_text(&Headed { collinear: Self::KIND, version: Self::VERSION, body: self })
     }
 
     /// To a file, atomically.

@@ -4,9 +4,10 @@
 //! | --- | --- | --- |
 //! | camera, scanner, plane, dome, map, scene | [`camera`], [`scanner`], [`plane`], [`dome`], [`map`], [`scene`] | JSON, `docs/formats.md` |
 //! | a sensor of any kind | [`sensor`] | one of the above |
-//! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json`, `tracks.csv` |
+//! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json` of every camera type, `tracks.csv` |
 //! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
-//! | cameras of a calibration | [`opencv`] | OpenCV's YAML and JSON, ROS's `camera_info` |
+//! | cameras of a calibration | [`opencv`] | OpenCV's YAML, JSON and XML, ROS's `camera_info` |
+//! | cameras and poses, a calibration | [`metashape`] | Agisoft Metashape's XML |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
 //! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
@@ -43,6 +44,7 @@ mod atomic;
 mod check;
 mod error;
 mod json;
+mod xml;
 
 pub mod bundler;
 pub mod camera;
@@ -52,6 +54,7 @@ pub mod dome;
 pub mod gpu;
 pub mod gtx;
 pub mod map;
+pub mod metashape;
 pub mod opencv;
 pub mod opensfm;
 pub mod photographs;

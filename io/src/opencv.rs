@@ -1,4 +1,4 @@
-//! OpenCV: calibrations as its `FileStorage` writes them, YAML or JSON, and ROS's `camera_info`.
+//! OpenCV: calibrations as its `FileStorage` writes them, YAML, JSON or XML, and ROS's `camera_info`.
 //!
 //! OpenCV's pixel (0, 0) is the *centre* of the first pixel, which is (0.5, 0.5) here: x₀ = cx + ½, y₀ = cy + ½. Its camera axes
 //! are this crate's; rvec and tvec are x = R X + t. Its coefficients in order are k₁ k₂ p₁ p₂ k₃ k₄ k₅ k₆ s₁ s₂ s₃ s₄ τx τy.
@@ -15,25 +15,32 @@ use crate::camera::{CameraFile, Exterior, FisheyeProjection, Interior, Lens};
 use crate::check::finite;
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
 use crate::json::{Document, read_text};
+use crate::xml;
 
-/// What the two forms start with.
+/// What YAML starts with.
 const YAML_HEADER: &str = "%YAML:1.0\n---\n";
 
-/// YAML or JSON.
+/// YAML, JSON or XML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Read by every OpenCV.
     Yaml,
     /// Read by OpenCV 3.2 and later.
     Json,
+    /// Read by every OpenCV.
+    Xml,
 }
 
 impl Form {
-    /// The form of a file's name: JSON where its extension says so.
+    /// The form of a file's name: JSON or XML where its extension says so.
     #[must_use]
     pub fn of(path: &Path) -> Self {
-        let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-        if json { Self::Json } else { Self::Yaml }
+        let is = |known| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(known));
+        match () {
+            () if is("json") => Self::Json,
+            () if is("xml") => Self::Xml,
+            () => Self::Yaml,
+        }
     }
 }
 
@@ -93,10 +100,22 @@ pub(crate) fn is_like(text: &str) -> bool {
         || ["camera_matrix", "cameraMatrix", "opencv-matrix"].iter().any(|w| text.contains(w))
 }
 
-/// The object that either form is.
+/// Whether XML is OpenCV's.
+pub(crate) fn is_storage(text: &str) -> bool {
+    text.contains("<opencv_storage")
+}
+
+/// The object that any of the forms is.
 fn tree(text: &str) -> Result<Map<String, Value>, Error> {
     let foreign = |reason: String| Error::from(ErrorKind::Foreign { program: "OpenCV", reason });
-    let object = if text.trim_start().starts_with('{') {
+    let object = if text.trim_start().starts_with('<') {
+        let document = xml::parse(text).map_err(|e| foreign(e.to_string()))?;
+        let root = document.root_element();
+        if !root.has_tag_name("opencv_storage") {
+            return Err(foreign("its root is no opencv_storage".into()));
+        }
+        storage(root, MAX_DEPTH).ok_or_else(|| foreign("it is nested too deeply".into()))?
+    } else if text.trim_start().starts_with('{') {
         serde_json::from_str(text).map_err(|e| foreign(e.to_string()))?
     } else {
         // "%YAML:1.0" is no directive of YAML.
@@ -115,6 +134,33 @@ fn tree(text: &str) -> Result<Map<String, Value>, Error> {
         Value::Object(object) => Ok(object),
         _ => Err(foreign("it is no list of named values".into())),
     }
+}
+
+/// No calibration is nested this deeply.
+const MAX_DEPTH: usize = 16;
+
+/// An element of `opencv_storage`: an object of its children, a list where they are called `_`, else its number, its numbers
+/// or its text. None beyond a depth.
+fn storage(node: roxmltree::Node<'_, '_>, depth: usize) -> Option<Value> {
+    let depth = depth.checked_sub(1)?;
+    let mut children = node.children().filter(|n| n.is_element()).peekable();
+    if let Some(first) = children.peek() {
+        return if first.has_tag_name("_") {
+            children.map(|n| storage(n, depth)).collect::<Option<Vec<_>>>().map(Value::Array)
+        } else {
+            let named = |n: roxmltree::Node<'_, '_>| {
+                Some((n.tag_name().name().to_owned(), storage(n, depth)?))
+            };
+            children.map(named).collect::<Option<Map<_, _>>>().map(Value::Object)
+        };
+    }
+    let text = node.text().unwrap_or_default().trim();
+    let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    Some(match numbers.as_deref() {
+        Ok([one]) => json!(one),
+        Ok(all) => json!(all),
+        Err(_) => Value::String(text.trim_matches('"').to_owned()),
+    })
 }
 
 struct Calibration(Map<String, Value>);
@@ -333,6 +379,7 @@ pub fn to_text(camera: &CameraFile, form: Form) -> Result<String, Error> {
     Ok(match form {
         Form::Yaml => yaml(camera, &fields),
         Form::Json => json_text(camera, &fields),
+        Form::Xml => xml_text(camera, &fields),
     })
 }
 
@@ -362,6 +409,30 @@ fn yaml(camera: &CameraFile, fields: &[(&str, [usize; 2], Vec<f64>)]) -> String 
             list.join(", ")
         );
     }
+    text
+}
+
+fn xml_text(camera: &CameraFile, fields: &[(&str, [usize; 2], Vec<f64>)]) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::from("<?xml version=\"1.0\"?>\n<opencv_storage>\n");
+    for (name, size) in [("image_width", camera.width), ("image_height", camera.height)] {
+        let _ = writeln!(text, "<{name}>{size}</{name}>");
+    }
+    for (name, [rows, cols], values) in fields {
+        if values.is_empty() {
+            let _ = writeln!(text, "<{name}>1</{name}>");
+            continue;
+        }
+        // As in YAML.
+        let list: Vec<_> = values.iter().map(|v| format!("{v:?}")).collect();
+        let _ = writeln!(
+            text,
+            "<{name} type_id=\"opencv-matrix\">\n  <rows>{rows}</rows>\n  <cols>{cols}</cols>\n  <dt>d</dt>\n  \
+             <data>\n    {}</data></{name}>",
+            list.join(" ")
+        );
+    }
+    text.push_str("</opencv_storage>\n");
     text
 }
 

@@ -7,28 +7,55 @@
 //! ```
 //!
 //! in pixels from the top-left corner of the top-left pixel. Its camera axes are this crate's: x right, y down,
-//! z forward. Format: <https://opensfm.org/docs/dataset.html>.
+//! z forward. Format: <https://opensfm.org/docs/dataset.html>. Its camera types, as its `camera_projections_functions.h` and
+//! `camera_distortions_functions.h` compute them, with x = X/Z, y = Y/Z, θ the angle from the axis:
+//!
+//! | `projection_type` | equation | fields | interior |
+//! | --- | --- | --- | --- |
+//! | `perspective` | (x, y) (1 + k₁r² + k₂r⁴) · focal | focal, k1, k2 | [`Interior::Brown`] |
+//! | `simple_radial`, `radial` | the same, and a principal point | focal_x, focal_y, c_x, c_y, k1, k2 | [`Interior::Brown`] |
+//! | `brown` | Brown's, in OpenCV's order | the same, k3, p1, p2 | [`Interior::Brown`] |
+//! | `fisheye` | r = θ (1 + k₁θ² + k₂θ⁴) · focal | focal, k1, k2 | [`Lens::Fisheye`] |
+//! | `fisheye_opencv` | … + k₃θ⁶ + k₄θ⁸, and a principal point | focal_x, focal_y, c_x, c_y, k1 to k4 | [`Lens::Fisheye`] |
+//! | `fisheye62` | … + k₅θ¹⁰ + k₆θ¹², and p₁, p₂ | the same, k5, k6, p1, p2 | [`Lens::ThinPrismFisheye`], [`Lens::Fisheye624`] |
+//! | `fisheye624` | … and s₀r² + s₁r⁴, s₂r² + s₃r⁴ | the same, s0 to s3 | the same |
+//! | `dual` | transition · perspective + (1 − transition) · fisheye | focal, k1, k2, transition | where transition is 1 or 0 |
+//! | `spherical`, `equirectangular` | longitude and latitude over 2π | | [`Interior::Panorama`] |
+//!
+//! The last two fisheyes decentre the undistorted point. COLMAP's and Project Aria's *Fisheye624* decentres the radially
+//! distorted one, which is another lens wherever both are there: of OpenSfM's those are read in which k₅, k₆, s₁ and s₃ are 0,
+//! or p and s, or all k.
+//!
+//! [`Lens::Fisheye`]: crate::camera::Lens::Fisheye
+//! [`Lens::ThinPrismFisheye`]: crate::camera::Lens::ThinPrismFisheye
+//! [`Lens::Fisheye624`]: crate::camera::Lens::Fisheye624
 
+mod models;
 mod tracks;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use collinear::geometry::rotation::RotationVector;
 use collinear::nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
+use serde_json::{Map, Value, json};
 
 pub use tracks::{Observation, parse_tracks, read_tracks};
 
+use crate::atomic::write_atomically;
 use crate::camera::{CameraFile, Exterior, Interior, Rotation};
-use crate::check::{finite, in_range};
+use crate::check::finite;
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
-use crate::json::{Document, from_text, read_text};
+use crate::json::{Document, from_text, read_text, to_text};
+
+use models::RawCamera;
 
 /// One reconstruction: cameras, shots and points in one frame of their own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reconstruction {
     /// The cameras by name.
-    pub cameras: BTreeMap<String, PerspectiveCamera>,
+    pub cameras: BTreeMap<String, Camera>,
     /// The photographs by file name.
     pub shots: BTreeMap<String, Shot>,
     /// The points by the name of their track.
@@ -37,23 +64,15 @@ pub struct Reconstruction {
     pub reference: Option<Reference>,
 }
 
-/// OpenSfM's camera model "perspective".
-///
-/// ```text
-/// x = X/Z,  y = Y/Z,  r² = x² + y²,  image = focal · (1 + k1 r² + k2 r⁴) · (x, y)
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PerspectiveCamera {
+/// A camera of a reconstruction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
     /// Width of its pictures, pixels.
     pub width: u32,
     /// Height of its pictures, pixels.
     pub height: u32,
-    /// The principal distance in units of the longer side.
-    pub focal: f64,
-    /// Radial distortion of the second order.
-    pub k1: f64,
-    /// Radial distortion of the fourth order.
-    pub k2: f64,
+    /// What its [type](self) is here, in pixels.
+    pub interior: Interior,
 }
 
 /// A photograph of a reconstruction.
@@ -98,7 +117,7 @@ pub struct Reference {
 ///
 /// # Errors
 /// [`ErrorKind::Json`] with the path to the bad field, [`ErrorKind::NoReconstruction`], and [`ErrorKind::Field`] for a
-/// camera of another projection type ([`FieldProblem::Unsupported`] names it), for a shot of an unknown camera
+/// camera of a type that is not read ([`FieldProblem::Unsupported`] names it), for a shot of an unknown camera
 /// ([`FieldProblem::UnknownName`]) and for numbers outside their domain.
 pub fn read_reconstruction(path: &Path, index: usize) -> Result<Reconstruction, Error> {
     read_text(path).and_then(|t| parse_reconstruction(&t, index)).map_err(|e| e.in_file(path))
@@ -129,14 +148,11 @@ pub fn parse_reconstruction(text: &str, index: usize) -> Result<Reconstruction, 
 }
 
 impl Reconstruction {
-    /// The camera of a photograph.
-    ///
-    /// ```text
-    /// fx = fy = focal · max(W, H),   principal point (W/2, H/2),   k = (k1, k2, 0),   C = −Rᵀ t
-    /// ```
+    /// The camera of a photograph, with C = −Rᵀ t.
     ///
     /// # Errors
-    /// [`FieldProblem::UnknownName`] where there is no such photograph, or its camera is not there.
+    /// [`FieldProblem::UnknownName`] where there is no such photograph, or its camera is not there; those of
+    /// [`CameraFile::check`](Document::check).
     pub fn camera(&self, shot: &str) -> Result<CameraFile, Error> {
         let pose = find(&self.shots, "a photograph", "shots", shot)?;
         let camera =
@@ -144,17 +160,10 @@ impl Reconstruction {
         let rotation = Rotation3::new(Vector3::from(pose.rotation));
         let center = -(rotation.inverse() * Vector3::from(pose.translation));
         let q = UnitQuaternion::from_scaled_axis(Vector3::from(pose.rotation));
-        let (w, h) = (f64::from(camera.width), f64::from(camera.height));
         let file = CameraFile {
             width: camera.width,
             height: camera.height,
-            interior: Interior::Brown {
-                principal_distance: [camera.focal * w.max(h); 2],
-                principal_point: [w / 2.0, h / 2.0],
-                skew: 0.0,
-                k: [camera.k1, camera.k2, 0.0],
-                p: [0.0, 0.0],
-            },
+            interior: camera.interior.clone(),
             exterior: Exterior {
                 projection_center: center.into(),
                 rotation: Rotation::QuaternionWxyz([q.w, q.i, q.j, q.k]),
@@ -163,6 +172,113 @@ impl Reconstruction {
         file.check().map_err(|e| e.under(&format!("shots[{shot:?}]")))?;
         Ok(file)
     }
+
+    /// A reconstruction without points, of photographs with their cameras. Photographs with one camera share it; cameras are
+    /// named `camera 1`, `camera 2`, …
+    ///
+    /// # Errors
+    /// [`FieldProblem::Unsupported`] with the photograph's name for a camera that is of none of OpenSfM's types,
+    /// [`FieldProblem::DuplicateName`] for a second photograph of a name, and those of [`CameraFile::check`](Document::check).
+    ///
+    /// # Example
+    /// f = 3600 on 4000 × 3000 is 0.9 of the longer side; a camera at (0, 0, −5) has t = (0, 0, 5).
+    ///
+    /// ```
+    /// use collinear_io::opensfm::{Reconstruction, parse_reconstruction};
+    ///
+    /// let text = r#"[{
+    ///   "cameras": { "c": { "projection_type": "perspective", "width": 4000, "height": 3000, "focal": 0.9 } },
+    ///   "shots": { "1.jpg": { "camera": "c", "rotation": [0, 0, 0], "translation": [0, 0, 5] } }
+    /// }]"#;
+    /// let camera = parse_reconstruction(text, 0)?.camera("1.jpg")?;
+    /// let written = Reconstruction::from_photographs(&[("a.jpg".into(), camera)])?;
+    /// assert!(written.to_json()?.contains("\"focal\": 0.9,"));
+    /// assert_eq!(written.shots["a.jpg"].translation, [0.0, 0.0, 5.0]);
+    /// # Ok::<(), collinear_io::Error>(())
+    /// ```
+    pub fn from_photographs(photographs: &[(String, CameraFile)]) -> Result<Self, Error> {
+        let mut all: Vec<Camera> = Vec::new();
+        let (mut cameras, mut shots) = (BTreeMap::new(), BTreeMap::new());
+        for (name, file) in photographs {
+            let under = |e: FieldError| Error::from(e.under(name));
+            file.check().map_err(under)?;
+            let interior = file.interior.plain([file.width, file.height]);
+            let camera = Camera { width: file.width, height: file.height, interior };
+            let number = match all.iter().position(|c| *c == camera) {
+                Some(number) => number,
+                None => {
+                    models::fields(&camera).map_err(under)?;
+                    cameras.insert(camera_name(all.len()), camera.clone());
+                    all.push(camera);
+                    all.len() - 1
+                }
+            };
+            let exterior = file.exterior.orientation()?;
+            let turn = RotationVector::from_rotation(&exterior.camera_from_world());
+            let shot = Shot {
+                camera: camera_name(number),
+                rotation: turn.vector().into(),
+                translation: exterior.pose().translation().into(),
+            };
+            finite("translation", &shot.translation).map_err(under)?;
+            if shots.insert(name.clone(), shot).is_some() {
+                let first = "an earlier photograph's".into();
+                let problem = FieldProblem::DuplicateName { name: name.clone(), first };
+                return Err(FieldError::new("shots", problem).into());
+            }
+        }
+        Ok(Self { cameras, shots, points: BTreeMap::new(), reference: None })
+    }
+
+    /// The text of a `reconstruction.json` that holds this reconstruction alone.
+    ///
+    /// # Errors
+    /// [`FieldProblem::Unsupported`] for a camera that is of none of OpenSfM's [types](self), and
+    /// [`FieldProblem::OutOfRange`] for numbers that are not finite.
+    pub fn to_json(&self) -> Result<String, Error> {
+        let mut cameras = Map::new();
+        for (name, camera) in &self.cameras {
+            let field = format!("cameras[{name:?}]");
+            camera.interior.check().map_err(|e| e.under("interior").under(&field))?;
+            let fields = models::fields(camera).map_err(|e| e.under(&field))?;
+            cameras.insert(name.clone(), Value::Object(fields));
+        }
+        let mut shots = Map::new();
+        for (name, Shot { camera, rotation, translation }) in &self.shots {
+            finite(&format!("shots[{name:?}].rotation"), rotation)?;
+            finite(&format!("shots[{name:?}].translation"), translation)?;
+            let fields =
+                json!({ "rotation": rotation, "translation": translation, "camera": camera });
+            shots.insert(name.clone(), fields);
+        }
+        let mut points = Map::new();
+        for (name, ScenePoint { coordinates, color }) in &self.points {
+            finite(&format!("points[{name:?}].coordinates"), coordinates)?;
+            let fields = json!({ "color": color.map(f64::from), "coordinates": coordinates });
+            points.insert(name.clone(), fields);
+        }
+        let mut all = json!({ "cameras": cameras, "shots": shots, "points": points });
+        if let Some(Reference { latitude_deg, longitude_deg, altitude_m }) = self.reference {
+            finite("reference_lla", &[latitude_deg, longitude_deg, altitude_m])?;
+            all["reference_lla"] = json!({
+                "latitude": latitude_deg, "longitude": longitude_deg, "altitude": altitude_m
+            });
+        }
+        to_text(&[all])
+    }
+
+    /// To a file, atomically.
+    ///
+    /// # Errors
+    /// As [`to_json`](Self::to_json) and [`write_atomically`].
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let text = self.to_json().map_err(|e| e.in_file(path))?;
+        write_atomically(path, |w| w.write_all(text.as_bytes()))
+    }
+}
+
+fn camera_name(index: usize) -> String {
+    format!("camera {}", index + 1)
 }
 
 fn find<'a, T>(
@@ -186,19 +302,6 @@ struct RawReconstruction {
     #[serde(default)]
     points: BTreeMap<String, RawPoint>,
     reference_lla: Option<Reference>,
-}
-
-#[derive(Deserialize)]
-struct RawCamera {
-    // Files from before there were other types have none.
-    projection_type: Option<String>,
-    width: u32,
-    height: u32,
-    focal: Option<f64>,
-    #[serde(default)]
-    k1: f64,
-    #[serde(default)]
-    k2: f64,
 }
 
 #[derive(Deserialize)]
@@ -239,26 +342,5 @@ impl RawReconstruction {
             points.insert(name, ScenePoint { coordinates: raw.coordinates, color });
         }
         Ok(Reconstruction { cameras, shots, points, reference: self.reference_lla })
-    }
-}
-
-impl RawCamera {
-    fn check(self) -> Result<PerspectiveCamera, FieldError> {
-        const SUPPORTED: &str = "perspective";
-        if let Some(found) = self.projection_type.filter(|t| t != SUPPORTED) {
-            let expected = "OpenSfM cameras are read where their type is `perspective`";
-            return Err(FieldError::new(
-                "projection_type",
-                FieldProblem::Unsupported { found, expected },
-            ));
-        }
-        for (field, size) in [("width", self.width), ("height", self.height)] {
-            in_range(field, size.into(), "at least 1 pixel", |v| v >= 1.0)?;
-        }
-        let focal = self.focal.unwrap_or(f64::NAN);
-        in_range("focal", focal, "a finite number above 0", |v| v > 0.0)?;
-        finite("k1", &[self.k1]).and(finite("k2", &[self.k2]))?;
-        let Self { width, height, k1, k2, .. } = self;
-        Ok(PerspectiveCamera { width, height, focal, k1, k2 })
     }
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 use crate::camera::CameraFile;
 use crate::error::{Error, ErrorKind};
 use crate::json::{Document, kind_of, read_text};
-use crate::{bundler, colmap, opencv, opensfm};
+use crate::{bundler, colmap, metashape, opencv, opensfm};
 
 /// What the name of a photograph is whose file has none.
 const UNNAMED: &str = "camera";
 
 /// Reads photographs' names and cameras: a camera file, an OpenSfM reconstruction (its first), a COLMAP folder, Bundler's
-/// `bundle.out`, a calibration of OpenCV's. The content says which. Bundler's file does not say how large the pictures are:
+/// `bundle.out`, a calibration of OpenCV's, cameras or a calibration of Metashape's. The content says which. Bundler's file does not say how large the pictures are:
 /// `size`, which the others do not need, does.
 ///
 /// # Errors
@@ -51,7 +51,10 @@ pub fn parse(text: &str, size: Option<[u32; 2]>) -> Result<Vec<(String, CameraFi
         let bundle = bundler::Bundle::parse(start)?;
         return bundle.photographs(size.ok_or(ErrorKind::NoPictureSize)?);
     }
-    if opencv::is_like(text) {
+    if start.starts_with('<') && !opencv::is_storage(start) {
+        return metashape::parse(text);
+    }
+    if start.starts_with('<') || opencv::is_like(text) {
         return opencv::parse(text);
     }
     Err(ErrorKind::NotCameras.into())

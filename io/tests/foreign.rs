@@ -153,13 +153,13 @@ fn opencvs_calibrations_project_as_opencv_does() {
         let cameras = photographs::read(&oracle("opencv").join(name), None).unwrap();
         assert_eq!(cameras.len(), 2);
         for ((view, camera), images) in cameras.iter().zip(views.as_array().unwrap()) {
-            // Written by us in either form, and read again, too.
-            let forms = [opencv::Form::Yaml, opencv::Form::Json];
+            // Written by us in every form, and read again, too.
+            let forms = [opencv::Form::Yaml, opencv::Form::Json, opencv::Form::Xml];
             let written = forms.map(|form| {
                 let text = opencv::to_text(camera, form).unwrap();
                 photographs::parse(&text, None).unwrap().remove(0).1
             });
-            for camera in [camera, &written[0], &written[1]] {
+            for camera in std::iter::once(camera).chain(&written) {
                 for (world, image) in world.iter().zip(images.as_array().unwrap()) {
                     let [x, y] = two(image);
                     sees(camera, *world, [x + 0.5, y + 0.5]);
@@ -423,7 +423,7 @@ proptest! {
     /// Damaged files are refused or read, without a panic.
     #[test]
     fn damaged_files_of_others_are_refused_or_read(at in 0.0..1.0f64, byte in any::<u8>(), cut in any::<bool>()) {
-        for name in ["opencv/tilted.yml", "opencv/rational.json", "colmap/text/images.txt", "colmap/binary/images.bin", "colmap/binary/cameras.bin", "colmap/binary/points3D.bin"] {
+        for name in ["opencv/tilted.yml", "opencv/rational.json", "opencv/tilted.xml", "metashape/cameras.xml", "metashape/calibration.xml", "colmap/text/images.txt", "colmap/binary/images.bin", "colmap/binary/cameras.bin", "colmap/binary/points3D.bin"] {
             let mut bytes = fs::read(oracle(name)).unwrap();
             let at = (at * bytes.len() as f64) as usize;
             if cut { bytes.truncate(at); } else { bytes[at] = byte; }

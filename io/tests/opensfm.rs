@@ -53,8 +53,8 @@ fn a_reconstruction_gives_its_cameras_in_pixels() {
 #[test]
 fn what_cannot_be_used_is_named() {
     assert_eq!(
-        error("\"perspective\"", "\"fisheye\""),
-        "[0].cameras[\"v2 phone\"].projection_type: is `fisheye`: OpenSfM cameras are read where their type is `perspective`"
+        error("\"perspective\"", "\"cubic\""),
+        "[0].cameras[\"v2 phone\"].projection_type: is `cubic`: OpenSfM's perspective, simple_radial, radial, brown, fisheye, fisheye_opencv, fisheye62, fisheye624, dual and spherical are read"
     );
     assert_eq!(
         error("\"camera\": \"v2 phone\"", "\"camera\": \"v1\""),

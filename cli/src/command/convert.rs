@@ -19,7 +19,7 @@ use super::{Files, Size, UsageError, in_file, positive, say};
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
     /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, Bundler's bundle.out, an
-    /// OpenCV calibration; or a file with an RPC
+    /// OpenCV calibration, Agisoft Metashape's exported cameras or calibration; or a file with an RPC
     #[arg(value_name = "CAMERAS")]
     input: PathBuf,
 
@@ -58,10 +58,16 @@ enum Format {
     ColmapBinary,
     /// Bundler's bundle.out, version 0.3
     Bundler,
+    /// OpenSfM's and ODM's reconstruction.json
+    Opensfm,
     /// OpenCV's FileStorage, YAML
     Opencv,
     /// OpenCV's FileStorage, JSON
     OpencvJson,
+    /// OpenCV's FileStorage, XML
+    OpencvXml,
+    /// Agisoft Metashape's exported cameras, XML
+    Metashape,
     /// A rational polynomial camera, docs/formats.md
     Rpc,
     /// A rational polynomial camera as RPB
@@ -180,8 +186,11 @@ impl Arguments {
             Format::Colmap => Target::Colmap(Encoding::Text),
             Format::ColmapBinary => Target::Colmap(Encoding::Binary),
             Format::Bundler => Target::Bundler,
+            Format::Opensfm => Target::OpenSfm,
             Format::Opencv => Target::OpenCv(Form::Yaml),
             Format::OpencvJson => Target::OpenCv(Form::Json),
+            Format::OpencvXml => Target::OpenCv(Form::Xml),
+            Format::Metashape => Target::Metashape,
             Format::Opengl => matrices(ClipConvention::OpenGl)?,
             Format::Direct3d => matrices(ClipConvention::Direct3d)?,
             Format::Vulkan => matrices(ClipConvention::Vulkan)?,

@@ -8,7 +8,7 @@ use serde_json::ser::Formatter;
 
 use crate::error::{Error, ErrorKind};
 
-pub(super) fn to_text<T: Serialize>(value: &T) -> Result<String, Error> {
+pub(crate) fn to_text<T: Serialize>(value: &T) -> Result<String, Error> {
     let mut bytes = Vec::new();
     value
         .serialize(&mut Serializer::with_formatter(&mut bytes, Lines::default()))

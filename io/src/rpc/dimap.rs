@@ -1,14 +1,12 @@
 //! Cameras in XML: DIMAP of Airbus, and the metadata domain "RPC" of GDAL's VRT and `.aux.xml`.
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 
 use super::RpcFile;
 use super::fields::{Fields, short};
 use super::text::TXT;
 use crate::error::{Error, RpcProblem};
-
-/// More elements than any camera's file has, so that a hostile one is refused early.
-const MAX_NODES: u32 = 1_000_000;
+use crate::xml;
 
 /// Parses the XML of a camera: DIMAP, or GDAL's.
 ///
@@ -20,9 +18,7 @@ const MAX_NODES: u32 = 1_000_000;
 /// # Errors
 /// As [`read`](super::read).
 pub fn parse_xml(text: &str) -> Result<RpcFile, Error> {
-    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, options)
-        .map_err(|e| RpcProblem::Xml { reason: e.to_string() })?;
+    let document = xml::parse(text).map_err(|e| RpcProblem::Xml { reason: e.to_string() })?;
     let named = |name: &'static str| document.descendants().find(move |n| n.has_tag_name(name));
     if let Some(model) = named("Rational_Function_Model") {
         return dimap(&document, model);

@@ -1,6 +1,6 @@
 """Calibrations written by OpenCV's FileStorage, with the images of world points.
 
-    python3 opencv.py FOLDER       (opencv-python-headless 5.0.0) writes FOLDER/*.yml, *.json and expected.json
+    python3 opencv.py FOLDER       (opencv-python-headless 5.0.0) writes FOLDER/*.yml, *.json, *.xml and expected.json
     python3 opencv.py --read FILE  prints the images of the same points through a calibration with rvec and tvec
 """
 
@@ -20,6 +20,9 @@ CASES = {
     "rational.json": (D[:8], False),
     "tilted.yml": (D, False),
     "fisheye.yml": ([0.031, -0.015, 0.0063, -0.0011], True),
+    "tilted.xml": (D, False),
+    "brown.xml": (D[:5], False),
+    "fisheye.xml": ([0.031, -0.015, 0.0063, -0.0011], True),
 }
 
 
