@@ -8,6 +8,10 @@
 //! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
 //! | cameras of a calibration | [`opencv`] | OpenCV's YAML and JSON, ROS's `camera_info` |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
+//! | cameras of Pix4D's folder `params` | [`pix4d`] | `_calibrated_camera_parameters.txt`, `.cam`, `_pmatrix.txt`, `_offset.xyz` |
+//! | exterior orientations alone | [`orientation`] | tables of X, Y, Z, ω, φ, κ; PATB |
+//! | cameras of a scene | [`gltf`] | glTF 2.0, text and GLB |
+//! | cameras of Blender's | [`blender`] | a Python script, written only |
 //! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
@@ -42,19 +46,25 @@
 mod atomic;
 mod check;
 mod error;
+mod eye;
+mod fields;
 mod json;
 
+pub mod blender;
 pub mod bundler;
 pub mod camera;
 pub mod colmap;
 pub mod convert;
+pub mod gltf;
 pub mod gpu;
 pub mod gtx;
 pub mod map;
 pub mod opencv;
 pub mod opensfm;
+pub mod orientation;
 pub mod photographs;
 pub mod picture;
+pub mod pix4d;
 pub mod plane;
 pub mod points;
 pub mod rpc;

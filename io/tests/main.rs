@@ -3,15 +3,19 @@
 
 mod atomic;
 mod berlin;
+mod blender;
 mod cameras;
 mod convert;
 mod documents;
 mod foreign;
 mod formats_page;
+mod gltf;
 mod gtx;
 mod hostile;
 mod opensfm;
+mod orientation;
 mod pictures;
+mod pix4d;
 mod points;
 mod rpc;
 mod scanners;
