@@ -10,6 +10,7 @@ use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gltf;
 use collinear_io::gpu::GpuCamera;
+use collinear_io::nerf;
 use collinear_io::opencv::{self, Form};
 use collinear_io::orientation::{self, AngleUnit};
 use collinear_io::pix4d;
@@ -38,6 +39,8 @@ pub enum Target {
     Gltf(f64, Option<f64>),
     /// A script for Blender.
     Blender,
+    /// `transforms.json` of nerfstudio.
+    Nerf,
 }
 
 impl Target {
@@ -52,7 +55,8 @@ impl Target {
             | Self::Patb
             | Self::Opk(_)
             | Self::Gltf(..)
-            | Self::Blender => None,
+            | Self::Blender
+            | Self::Nerf => None,
         }
     }
 }
@@ -119,6 +123,7 @@ pub fn write(
         Target::Patb => return one(orientation::to_patb(photographs)?),
         Target::Opk(unit) => return one(orientation::to_table(photographs, unit)?),
         Target::Gltf(near, far) => return one(gltf::to_text(photographs, near, far)?),
+        Target::Nerf => return one(nerf::to_text(photographs)?),
         Target::Blender => return one(blender::to_script(photographs)?),
         Target::Camera => &Document::to_json,
         Target::OpenCv(form) => &move |camera| opencv::to_text(camera, form),

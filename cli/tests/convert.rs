@@ -267,6 +267,9 @@ fn a_camera_goes_to_renderers() {
     let script = folder.text("c.py");
     // 100 · 36/400.
     assert!(script.contains(r#"\"lens_mm\":9"#) && script.contains("import bpy"), "{script}");
+    folder.succeed(&["convert", "c.gltf", "--to", "nerf", "-o", "transforms.json"]);
+    folder.succeed(&["convert", "transforms.json", "--to", "colmap", "-o", "sparse"]);
+    assert!(folder.text("sparse/cameras.txt").contains(" PINHOLE 400 300 "));
     let run = folder.run(&["convert", "c.gltf", "--to", "gltf", "--far", "0.05", "-o", "d.gltf"]);
     assert!(run.code == 2 && run.stderr.contains("--far is not beyond --near"), "{}", run.stderr);
 }

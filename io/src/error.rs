@@ -206,7 +206,7 @@ pub enum ErrorKind {
     Grid(#[from] GridProblem),
     /// A file without cameras, or of a kind that is not known.
     #[error(
-        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out, an OpenCV calibration, Pix4D's parameters, a table of orientations or glTF (docs/coming-from.md)"
+        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out, an OpenCV calibration, Pix4D's parameters, a table of orientations, glTF or transforms.json (docs/coming-from.md)"
     )]
     NotCameras,
     /// A format without the size of its pictures, and none was given.

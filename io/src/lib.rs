@@ -12,6 +12,7 @@
 //! | exterior orientations alone | [`orientation`] | tables of X, Y, Z, ω, φ, κ; PATB |
 //! | cameras of a scene | [`gltf`] | glTF 2.0, text and GLB |
 //! | cameras of Blender's | [`blender`] | a Python script, written only |
+//! | cameras of radiance fields | [`nerf`] | `transforms.json` of nerfstudio and instant-ngp |
 //! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
@@ -59,6 +60,7 @@ pub mod gltf;
 pub mod gpu;
 pub mod gtx;
 pub mod map;
+pub mod nerf;
 pub mod opencv;
 pub mod opensfm;
 pub mod orientation;

@@ -6,7 +6,7 @@ use crate::camera::CameraFile;
 use crate::error::{Error, ErrorKind};
 use crate::json::{Document, MAX_TEXT_BYTES, kind_of, read_bytes, text_of};
 use crate::orientation::AngleUnit;
-use crate::{bundler, colmap, gltf, opencv, opensfm, orientation, pix4d};
+use crate::{bundler, colmap, gltf, nerf, opencv, opensfm, orientation, pix4d};
 
 /// What the name of a photograph is whose file has none.
 const UNNAMED: &str = "camera";
@@ -26,7 +26,7 @@ pub struct Given {
 }
 
 /// Reads photographs' names and cameras: a camera file, an OpenSfM reconstruction (its first), a COLMAP folder, Bundler's
-/// `bundle.out`, a calibration of OpenCV's, Pix4D's parameters, glTF or GLB. The content says which. Bundler's file does not say how large
+/// `bundle.out`, a calibration of OpenCV's, Pix4D's parameters, glTF or GLB, nerfstudio's `transforms.json`. The content says which. Bundler's file does not say how large
 /// the pictures are: `size`, which most others do not need, does.
 ///
 /// # Errors
@@ -110,6 +110,8 @@ pub fn parse_with(text: &str, given: &Given) -> Result<Vec<(String, CameraFile)>
         bundler::Bundle::parse(start)?.photographs(size()?)?
     } else if gltf::is_like(start) {
         gltf::parse(text, given.size)?
+    } else if nerf::is_like(start) {
+        nerf::parse(text, given.size)?
     } else if opencv::is_like(text) {
         opencv::parse(text)?
     } else if pix4d::is_like(text) {

@@ -12,6 +12,7 @@ mod formats_page;
 mod gltf;
 mod gtx;
 mod hostile;
+mod nerf;
 mod opensfm;
 mod orientation;
 mod pictures;

@@ -21,8 +21,8 @@ use super::{Files, Size, UsageError, in_file, positive, say};
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
     /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, Bundler's bundle.out, an
-    /// OpenCV calibration, Pix4D's parameters, glTF or GLB, a table of orientations or PATB's (with
-    /// --interior); or a file with an RPC
+    /// OpenCV calibration, Pix4D's parameters, glTF or GLB, nerfstudio's transforms.json, a table of
+    /// orientations or PATB's (with --interior); or a file with an RPC
     #[arg(value_name = "CAMERAS")]
     input: PathBuf,
 
@@ -109,6 +109,8 @@ enum Format {
     Gltf,
     /// A Python script that makes the cameras in Blender: blender --python OUT
     Blender,
+    /// transforms.json of nerfstudio and instant-ngp
+    Nerf,
     /// A rational polynomial camera, docs/formats.md
     Rpc,
     /// A rational polynomial camera as RPB
@@ -252,6 +254,7 @@ impl Arguments {
             Format::Opk => Target::Opk(self.angles.map_or(AngleUnit::Degrees, Angles::unit)),
             Format::Gltf => depths().map(|(near, far)| Target::Gltf(near, far))?,
             Format::Blender => Target::Blender,
+            Format::Nerf => Target::Nerf,
             Format::Opengl => matrices(ClipConvention::OpenGl)?,
             Format::Direct3d => matrices(ClipConvention::Direct3d)?,
             Format::Vulkan => matrices(ClipConvention::Vulkan)?,
