@@ -4,11 +4,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail};
 use collinear::geometry::projection::ClipConvention;
+use collinear_io::blender;
 use collinear_io::bundler::Bundle;
 use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
+use collinear_io::gltf;
 use collinear_io::gpu::GpuCamera;
+use collinear_io::nerf;
 use collinear_io::opencv::{self, Form};
+use collinear_io::orientation::{self, AngleUnit};
+use collinear_io::pix4d;
 use collinear_io::{Document, write_atomically};
 use collinear_io::{metashape, opensfm};
 
@@ -29,6 +34,18 @@ pub enum Target {
     OpenCv(Form),
     /// Matrices of a graphics interface, with the depths of the near and the far plane.
     Gpu(ClipConvention, f64, Option<f64>),
+    /// Pix4D's calibrated camera parameters.
+    Pix4d,
+    /// PATB's exterior orientations.
+    Patb,
+    /// A table of exterior orientations, with the unit of its angles.
+    Opk(AngleUnit),
+    /// glTF, with the depths of the near and the far plane.
+    Gltf(f64, Option<f64>),
+    /// A script for Blender.
+    Blender,
+    /// `transforms.json` of nerfstudio.
+    Nerf,
 }
 
 impl Target {
@@ -38,7 +55,16 @@ impl Target {
             Self::Camera | Self::Gpu(..) | Self::OpenCv(Form::Json) => Some("json"),
             Self::OpenCv(Form::Yaml) => Some("yml"),
             Self::OpenCv(Form::Xml) => Some("xml"),
-            Self::Colmap(_) | Self::Bundler | Self::OpenSfm | Self::Metashape => None,
+            Self::Colmap(_)
+            | Self::Bundler
+            | Self::OpenSfm
+            | Self::Metashape
+            | Self::Pix4d
+            | Self::Patb
+            | Self::Opk(_)
+            | Self::Gltf(..)
+            | Self::Blender
+            | Self::Nerf => None,
         }
     }
 }
@@ -87,6 +113,11 @@ pub fn write(
         bail!("no photograph is in it");
     }
     let paths = outputs(photographs, target, output)?;
+    // One file for all of them.
+    let one = |text: String| -> Result<Vec<PathBuf>> {
+        write_atomically(output, |w| w.write_all(text.as_bytes()))?;
+        Ok(vec![output.to_owned()])
+    };
     // What turns one photograph's camera into text, where each has a file of its own.
     let text: &dyn Fn(&CameraFile) -> Result<String, collinear_io::Error> = match target {
         Target::Colmap(encoding) => {
@@ -94,9 +125,7 @@ pub fn write(
             return Ok(paths);
         }
         Target::Bundler => {
-            let text = Bundle::from_photographs(photographs)?.to_text();
-            write_atomically(output, |w| w.write_all(text.as_bytes()))?;
-            return Ok(paths);
+            return one(Bundle::from_photographs(photographs)?.to_text());
         }
         Target::OpenSfm => {
             opensfm::Reconstruction::from_photographs(photographs)?.write(output)?;
@@ -106,6 +135,12 @@ pub fn write(
             metashape::write(photographs, output)?;
             return Ok(paths);
         }
+        Target::Pix4d => return one(pix4d::to_text(photographs)?),
+        Target::Patb => return one(orientation::to_patb(photographs)?),
+        Target::Opk(unit) => return one(orientation::to_table(photographs, unit)?),
+        Target::Gltf(near, far) => return one(gltf::to_text(photographs, near, far)?),
+        Target::Nerf => return one(nerf::to_text(photographs)?),
+        Target::Blender => return one(blender::to_script(photographs)?),
         Target::Camera => &Document::to_json,
         Target::OpenCv(form) => &move |camera| opencv::to_text(camera, form),
         Target::Gpu(convention, near, far) => {

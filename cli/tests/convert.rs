@@ -264,3 +264,74 @@ fn a_rational_camera_goes_from_form_to_form() {
     folder.write("camera.json", document("camera", &vertical(400, 300, "")));
     says(&["convert", "camera.json", "--to", "rpb", "-o", "out"], "holds no rational polynomial");
 }
+
+/// A table, the camera that took it, and what its places leave out.
+#[test]
+fn orientations_take_their_camera_from_another_file() {
+    let folder = Folder::new();
+    folder.write("camera.json", document("camera", &vertical(400, 300, "")));
+    folder.write("table.txt", "a.jpg 1 2 30 0 0 100\nb.jpg 5 6 30 0 0 0\n");
+    folder.write("offset.xyz", "1000 2000 0\n");
+    let read = |name: &str| CameraFile::parse(&folder.text(name)).unwrap();
+    let table = ["convert", "table.txt", "--interior", "camera.json", "--angles", "gon"];
+    let with = |more: &[&'static str]| [&table[..], more].concat();
+    folder.succeed(&with(&["--offset", "offset.xyz", "--to", "camera", "-o", "out"]));
+    let camera = read("out/a.jpg.json");
+    assert_eq!((camera.width, camera.height), (400, 300));
+    assert_eq!(camera.exterior.projection_center, [1001.0, 2002.0, 30.0]);
+    // κ = 100 gon: what lies to the north is to the right. f = 100 at depth 30.
+    let image = camera.camera().unwrap().sensor().project(&[1001.0, 2005.0, 0.0].into()).unwrap();
+    assert!((image.x - 210.0).abs() < 1e-9 && (image.y - 150.0).abs() < 1e-9, "{image}");
+    let one = ["--photograph", "a.jpg", "--offset", "-1,-2,0", "--to", "patb", "-o", "a.ori"];
+    folder.succeed(&with(&one));
+    let text = folder.text("a.ori");
+    assert!(text.contains("         0.00000         0.00000        30.00000\n"), "{text}");
+    folder.succeed(&[
+        "convert",
+        "a.ori",
+        "--interior",
+        "camera.json",
+        "--to",
+        "opk",
+        "-o",
+        "a.txt",
+    ]);
+    let text = folder.text("a.txt");
+    assert!(text.starts_with("imageName X Y Z Omega Phi Kappa\na.jpg 0 0 30 "), "{text}");
+    folder.succeed(&with(&["--to", "pix4d", "-o", "pix4d.txt"]));
+    folder.succeed(&["convert", "pix4d.txt", "--to", "colmap", "-o", "sparse"]);
+    assert!(folder.text("sparse/cameras.txt").ends_with(" PINHOLE 400 300 100 100 200 150\n"));
+    let says = |arguments: &[&str], code: i32, expected: &str| {
+        let run = folder.run(arguments);
+        assert!(run.code == code && run.stderr.contains(expected), "{}", run.stderr);
+    };
+    let bare = ["convert", "table.txt", "--interior", "camera.json", "--to", "opk", "-o", "x"];
+    says(&bare, 1, "table.txt: does not say the unit of its angles");
+    says(&with(&["--offset", "1,2", "--to", "opk", "-o", "x"]), 2, "--offset 1,2: no such file");
+    let own = ["convert", "camera.json", "--interior", "camera.json", "--to", "opk", "-o", "x"];
+    says(&own, 1, "camera.json: has interior orientations of its own");
+    says(&with(&["--to", "opk", "-o", "camera.json"]), 2, "camera.json");
+    let several = ["convert", "a.txt", "--interior", "sparse", "--to", "opk", "-o", "b.txt"];
+    folder.succeed(&several);
+}
+
+#[test]
+fn a_camera_goes_to_renderers() {
+    let folder = Folder::new();
+    folder.write("camera.json", document("camera", &vertical(400, 300, "")));
+    folder.succeed(&["convert", "camera.json", "--to", "gltf", "--far", "9", "-o", "c.gltf"]);
+    let scene: Value = serde_json::from_str(&folder.text("c.gltf")).unwrap();
+    let perspective = &scene["cameras"][0]["perspective"];
+    assert_eq!((&perspective["znear"], &perspective["zfar"]), (&0.1.into(), &9.0.into()));
+    // 2 atan(150/100).
+    assert!((perspective["yfov"].as_f64().unwrap() - 1.965_587_446_494_658).abs() < 1e-14);
+    folder.succeed(&["convert", "c.gltf", "--to", "blender", "-o", "c.py"]);
+    let script = folder.text("c.py");
+    // 100 · 36/400.
+    assert!(script.contains(r#"\"lens_mm\":9"#) && script.contains("import bpy"), "{script}");
+    folder.succeed(&["convert", "c.gltf", "--to", "nerf", "-o", "transforms.json"]);
+    folder.succeed(&["convert", "transforms.json", "--to", "colmap", "-o", "sparse"]);
+    assert!(folder.text("sparse/cameras.txt").contains(" PINHOLE 400 300 "));
+    let run = folder.run(&["convert", "c.gltf", "--to", "gltf", "--far", "0.05", "-o", "d.gltf"]);
+    assert!(run.code == 2 && run.stderr.contains("--far is not beyond --near"), "{}", run.stderr);
+}

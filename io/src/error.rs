@@ -206,7 +206,7 @@ pub enum ErrorKind {
     Grid(#[from] GridProblem),
     /// A file without cameras, or of a kind that is not known.
     #[error(
-        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out, an OpenCV calibration or Metashape's XML (docs/coming-from.md)"
+        "holds no cameras that are read here: a camera file, an OpenSfM reconstruction, a folder of COLMAP's, Bundler's bundle.out, an OpenCV calibration, Metashape's XML, Pix4D's parameters, a table of orientations, glTF or transforms.json (docs/coming-from.md)"
     )]
     NotCameras,
     /// A format without the size of its pictures, and none was given.
@@ -218,6 +218,23 @@ pub enum ErrorKind {
         /// The file's name.
         file: String,
     },
+    /// Orientations without an interior orientation, and none was given.
+    #[error(
+        "is a table of exterior orientations: give the camera, which has the interior orientation"
+    )]
+    NoInterior,
+    /// An interior orientation was given for a file that has its own.
+    #[error("has interior orientations of its own: leave the other camera out")]
+    OwnInterior,
+    /// A file that should give one interior orientation has several.
+    #[error("has cameras of {count} different interior orientations, one is needed here")]
+    SeveralInteriors {
+        /// How many there are.
+        count: usize,
+    },
+    /// Angles without a unit, and none was given.
+    #[error("does not say the unit of its angles: give degrees, gon or radians")]
+    NoAngleUnit,
     /// A text of another program is not in its format.
     #[error("is no file of {program}'s: {reason}")]
     Foreign {
@@ -370,6 +387,17 @@ pub enum FieldProblem {
         name: String,
         /// The path to its first use.
         first: String,
+    },
+    /// A principal point that a format without one cannot say.
+    #[error(
+        "lies {} right of and {} below the picture's middle, in pixels, and {program} has it there: rectify the photograph about its principal point, or use a matrix",
+        Brief(off[0]), Brief(off[1])
+    )]
+    OffTheMiddle {
+        /// By how many pixels, right and down.
+        off: [f64; 2],
+        /// The format.
+        program: &'static str,
     },
     /// A model that cannot be used here.
     #[error("is `{found}`: {expected}")]

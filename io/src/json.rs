@@ -79,7 +79,11 @@ pub trait Document: Serialize + DeserializeOwned {
 
 /// A text file, without a byte order mark.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
-    let bytes = read_bytes(path, MAX_TEXT_BYTES)?;
+    text_of(read_bytes(path, MAX_TEXT_BYTES)?)
+}
+
+/// The text of a file's bytes, without a byte order mark.
+pub(crate) fn text_of(bytes: Vec<u8>) -> Result<String, Error> {
     let mut text = String::from_utf8(bytes)
         .map_err(|e| ErrorKind::NotText { valid_up_to: e.utf8_error().valid_up_to() })?;
     if text.starts_with('\u{feff}') {

@@ -9,6 +9,11 @@
 //! | cameras of a calibration | [`opencv`] | OpenCV's YAML, JSON and XML, ROS's `camera_info` |
 //! | cameras and poses, a calibration | [`metashape`] | Agisoft Metashape's XML |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
+//! | cameras of Pix4D's folder `params` | [`pix4d`] | `_calibrated_camera_parameters.txt`, `.cam`, `_pmatrix.txt`, `_offset.xyz` |
+//! | exterior orientations alone | [`orientation`] | tables of X, Y, Z, ω, φ, κ; PATB |
+//! | cameras of a scene | [`gltf`] | glTF 2.0, text and GLB |
+//! | cameras of Blender's | [`blender`] | a Python script, written only |
+//! | cameras of radiance fields | [`nerf`] | `transforms.json` of nerfstudio and instant-ngp |
 //! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
@@ -43,22 +48,29 @@
 mod atomic;
 mod check;
 mod error;
+mod eye;
+mod fields;
 mod json;
 mod xml;
 
+pub mod blender;
 pub mod bundler;
 pub mod camera;
 pub mod colmap;
 pub mod convert;
 pub mod dome;
+pub mod gltf;
 pub mod gpu;
 pub mod gtx;
 pub mod map;
 pub mod metashape;
+pub mod nerf;
 pub mod opencv;
 pub mod opensfm;
+pub mod orientation;
 pub mod photographs;
 pub mod picture;
+pub mod pix4d;
 pub mod plane;
 pub mod points;
 pub mod rpc;

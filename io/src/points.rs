@@ -11,6 +11,7 @@ use std::path::Path;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, ErrorKind, FieldError, LineProblem};
+use crate::fields::at;
 use crate::json::read_text;
 
 /// A line of a list of points.
@@ -245,20 +246,22 @@ pub fn quoted(text: &str) -> String {
     if plain { line } else { format!("\"{}\"", line.replace('"', "\"\"")) }
 }
 
-enum Separator {
+/// What stands between the fields of a line.
+pub(crate) enum Separator {
     Character(char),
     Spaces,
 }
 
 impl Separator {
-    fn of(line: &str) -> Self {
+    /// The first of tab, semicolon and comma that is in the line, else blanks.
+    pub(crate) fn of(line: &str) -> Self {
         ['\t', ';', ',']
             .into_iter()
             .find(|c| line.contains(*c))
             .map_or(Self::Spaces, Self::Character)
     }
 
-    fn split(&self, number: usize, line: &str) -> Result<Vec<String>, Error> {
+    pub(crate) fn split(&self, number: usize, line: &str) -> Result<Vec<String>, Error> {
         match self {
             Self::Spaces => Ok(line.split_whitespace().map(Into::into).collect()),
             Self::Character(separator) => split_quoted(line, *separator)
@@ -452,8 +455,4 @@ impl<'a> Line<'a> {
 fn bad_header(line: usize, header: &[String]) -> Error {
     let expected = "X, Y, Z, and perhaps id, x, y, note";
     at(line, None, LineProblem::Header { header: header.join(" "), expected })
-}
-
-fn at(line: usize, column: Option<usize>, problem: LineProblem) -> Error {
-    ErrorKind::Line { line, column, problem }.into()
 }

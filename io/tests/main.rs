@@ -3,17 +3,22 @@
 
 mod atomic;
 mod berlin;
+mod blender;
 mod cameras;
 mod convert;
 mod documents;
 mod foreign;
 mod formats_page;
+mod gltf;
 mod gtx;
 mod hostile;
 mod metashape;
+mod nerf;
 mod opensfm;
 mod opensfm_types;
+mod orientation;
 mod pictures;
+mod pix4d;
 mod points;
 mod rpc;
 mod scanners;

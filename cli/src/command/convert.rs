@@ -9,7 +9,9 @@ use collinear_cli::convert::{Target, outputs, write};
 use collinear_io::Document;
 use collinear_io::colmap::{self, Encoding};
 use collinear_io::opencv::Form;
-use collinear_io::photographs;
+use collinear_io::orientation::AngleUnit;
+use collinear_io::photographs::{self, Given};
+use collinear_io::pix4d::parse_offset;
 use collinear_io::rpc::{RpcFile, read_if_rpc};
 
 use super::{Files, Size, UsageError, in_file, positive, say};
@@ -19,7 +21,9 @@ use super::{Files, Size, UsageError, in_file, positive, say};
 #[command(long_about = LONG, after_help = AFTER)]
 pub(crate) struct Arguments {
     /// The cameras: a camera file, an OpenSfM reconstruction, COLMAP's folder, Bundler's bundle.out, an
-    /// OpenCV calibration, Agisoft Metashape's exported cameras or calibration; or a file with an RPC
+    /// OpenCV calibration, Metashape's exported cameras or calibration, Pix4D's parameters, glTF or GLB,
+    /// nerfstudio's transforms.json, a table of orientations or PATB's (with --interior); or a file with an
+    /// RPC
     #[arg(value_name = "CAMERAS")]
     input: PathBuf,
 
@@ -31,21 +35,55 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME")]
     photograph: Vec<String>,
 
-    /// Width and height of the pictures, where CAMERAS does not say: bundle.out
+    /// Width and height of the pictures, where CAMERAS does not say: bundle.out, Pix4D's
+    /// pmatrix.txt, glTF
     #[arg(long, value_name = "WxH", value_parser = Size::parse)]
     size: Option<Size>,
 
-    /// For matrices: the depth of the near plane, world units
+    /// For tables of orientations: any file of the camera that took the photographs, as Pix4D's .cam
+    #[arg(long, value_name = "FILE")]
+    interior: Option<PathBuf>,
+
+    /// The unit of the angles in a table of orientations, read where its header has none, or written
+    /// (degrees without it)
+    #[arg(long, value_name = "UNIT")]
+    angles: Option<Angles>,
+
+    /// Add this to the projection centres: a file with three numbers, as Pix4D's offset.xyz, or X,Y,Z
+    #[arg(long, value_name = "FILE|X,Y,Z", allow_hyphen_values = true)]
+    offset: Option<String>,
+
+    /// For matrices and glTF: the depth of the near plane, world units
     #[arg(long, value_name = "DEPTH", default_value = "0.1", value_parser = positive)]
     near: f64,
 
-    /// For matrices: the depth of the far plane; without it depths have no end
+    /// For matrices and glTF: the depth of the far plane; without it depths have no end
     #[arg(long, value_name = "DEPTH", value_parser = positive)]
     far: Option<f64>,
 
     /// The file of a single photograph, or the folder of several and of COLMAP's files
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Angles {
+    /// Degrees
+    Deg,
+    /// Gon, 400 to a turn
+    Gon,
+    /// Radians
+    Rad,
+}
+
+impl Angles {
+    fn unit(self) -> AngleUnit {
+        match self {
+            Self::Deg => AngleUnit::Degrees,
+            Self::Gon => AngleUnit::Gon,
+            Self::Rad => AngleUnit::Radians,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -68,6 +106,18 @@ enum Format {
     OpencvXml,
     /// Agisoft Metashape's exported cameras, XML
     Metashape,
+    /// Pix4D's calibrated_camera_parameters.txt
+    Pix4d,
+    /// Exterior orientations alone: a table of name, X, Y, Z, omega, phi, kappa
+    Opk,
+    /// Exterior orientations alone: PATB's three lines a photograph
+    Patb,
+    /// glTF 2.0 with cameras alone; the world's coordinates stay as they are
+    Gltf,
+    /// A Python script that makes the cameras in Blender: blender --python OUT
+    Blender,
+    /// transforms.json of nerfstudio and instant-ngp
+    Nerf,
     /// A rational polynomial camera, docs/formats.md
     Rpc,
     /// A rational polynomial camera as RPB
@@ -104,6 +154,7 @@ Examples:
   collinear convert sparse/0 --to camera -o cameras/
   collinear convert reconstruction.json --photograph 01.jpg --to opencv -o 01.yml
   collinear convert south.json --to wgpu --near 1 -o south.matrices.json
+  collinear convert table.txt --interior camera.json --angles gon --to colmap -o sparse/
   collinear convert image.tif --to rpb -o image.RPB
 
 Exit codes: 0 done; 1 failed (old files are left as they were); 2 wrong usage, as an output that is \
@@ -139,7 +190,7 @@ impl Arguments {
             }
             (Output::Photographs(target), None) => target,
         };
-        let mut cameras = photographs::read(&self.input, self.size.map(|s| [s.width, s.height]))?;
+        let mut cameras = photographs::read_with(&self.input, &self.given(&mut files)?)?;
         if !self.photograph.is_empty() {
             for name in &self.photograph {
                 if !cameras.iter().any(|(n, _)| n == name) {
@@ -170,14 +221,43 @@ impl Arguments {
         Ok(())
     }
 
+    /// What the input may not say.
+    fn given(&self, files: &mut Files) -> Result<Given> {
+        let size = self.size.map(|s| [s.width, s.height]);
+        let interior = match &self.interior {
+            Some(path) => {
+                files.input("the camera (--interior)", path)?;
+                Some(photographs::read_interior(path, size)?)
+            }
+            None => None,
+        };
+        let offset = match &self.offset {
+            Some(given) => {
+                let path = Path::new(given);
+                if path.is_file() {
+                    files.input("the offset (--offset)", path)?;
+                    let text = std::fs::read_to_string(path).map_err(|e| in_file(path, e))?;
+                    parse_offset(&text).map_err(|e| in_file(path, e))?
+                } else {
+                    parse_offset(given).map_err(|_| {
+                        UsageError(format!("--offset {given}: no such file, nor three numbers"))
+                    })?
+                }
+            }
+            None => [0.0; 3],
+        };
+        Ok(Given { size, interior, angle_unit: self.angles.map(Angles::unit), offset })
+    }
+
     /// What is to be written.
     fn to_what(&self) -> Result<Output, UsageError> {
-        let matrices = |convention| match self.far {
+        let depths = || match self.far {
             Some(far) if far <= self.near => {
                 Err(UsageError("--far is not beyond --near: give a greater depth".into()))
             }
-            far => Ok(Target::Gpu(convention, self.near, far)),
+            far => Ok((self.near, far)),
         };
+        let matrices = |convention| depths().map(|(near, far)| Target::Gpu(convention, near, far));
         Ok(Output::Photographs(match self.to {
             Format::Rpc => return Ok(Output::Rational(RpcFile::write)),
             Format::Rpb => return Ok(Output::Rational(RpcFile::write_rpb)),
@@ -191,6 +271,12 @@ impl Arguments {
             Format::OpencvJson => Target::OpenCv(Form::Json),
             Format::OpencvXml => Target::OpenCv(Form::Xml),
             Format::Metashape => Target::Metashape,
+            Format::Pix4d => Target::Pix4d,
+            Format::Patb => Target::Patb,
+            Format::Opk => Target::Opk(self.angles.map_or(AngleUnit::Degrees, Angles::unit)),
+            Format::Gltf => depths().map(|(near, far)| Target::Gltf(near, far))?,
+            Format::Blender => Target::Blender,
+            Format::Nerf => Target::Nerf,
             Format::Opengl => matrices(ClipConvention::OpenGl)?,
             Format::Direct3d => matrices(ClipConvention::Direct3d)?,
             Format::Vulkan => matrices(ClipConvention::Vulkan)?,
