@@ -21,14 +21,14 @@ pub(crate) enum Photograph {
     /// A camera, of whose models some have quicker maps than others.
     Camera(Box<Camera>),
     /// A sensor of any other kind.
-    Scanner(Arc<dyn SensorModel>),
+    Other(Arc<dyn SensorModel>),
 }
 
 impl Photograph {
     pub(crate) fn new(file: &SensorFile) -> Result<Self, collinear_io::Error> {
         Ok(match file {
             SensorFile::Camera(camera) => Self::Camera(Box::new(camera.camera()?)),
-            SensorFile::Scanner(scanner) => Self::Scanner(scanner.sensor()?.into()),
+            SensorFile::Scanner(_) | SensorFile::Rpc(_) => Self::Other(file.sensor()?.into()),
         })
     }
 
@@ -36,21 +36,21 @@ impl Photograph {
     pub(crate) fn camera(&self) -> Option<&Camera> {
         match self {
             Self::Camera(camera) => Some(camera),
-            Self::Scanner(_) => None,
+            Self::Other(_) => None,
         }
     }
 
     pub(crate) fn sensor(&self) -> &dyn SensorModel {
         match self {
             Self::Camera(camera) => camera.sensor(),
-            Self::Scanner(scanner) => scanner,
+            Self::Other(sensor) => sensor,
         }
     }
 
     pub(crate) fn into_sensor(self) -> Arc<dyn SensorModel> {
         match self {
             Self::Camera(camera) => camera.into_sensor().into(),
-            Self::Scanner(scanner) => scanner,
+            Self::Other(sensor) => sensor,
         }
     }
 
@@ -98,7 +98,7 @@ pub(crate) enum PlaneMap {
     /// To a plane of directions, and from there through any central model.
     Central(CentralPhotographMap<Central>),
     /// Point by point through any sensor.
-    Scanner(SensorMap<HomogeneousCamera, Plane, Arc<dyn SensorModel>>),
+    Other(SensorMap<HomogeneousCamera, Plane, Arc<dyn SensorModel>>),
 }
 
 impl PlaneMap {
@@ -110,8 +110,8 @@ impl PlaneMap {
     ) -> Result<Self, Error> {
         let photograph = match photograph {
             Photograph::Camera(camera) => camera.as_ref(),
-            Photograph::Scanner(scanner) => {
-                return Ok(Self::Scanner(SensorMap::new(*screen, *plane, Arc::clone(scanner))));
+            Photograph::Other(sensor) => {
+                return Ok(Self::Other(SensorMap::new(*screen, *plane, Arc::clone(sensor))));
             }
         };
         let to = |texture: &HomogeneousCamera| {
@@ -169,7 +169,7 @@ impl PlaneMap {
         match self {
             Self::Linear(linear) => linear.homography().map(Some),
             Self::Brown(map) => map.inner.homography().map(Some),
-            Self::Central(_) | Self::Scanner(_) => Ok(None),
+            Self::Central(_) | Self::Other(_) => Ok(None),
         }
     }
 
@@ -183,7 +183,7 @@ impl PlaneMap {
             Self::Linear(map) => Box::new(map),
             Self::Brown(map) => Box::new(map),
             Self::Central(map) => Box::new(map),
-            Self::Scanner(map) => Box::new(map),
+            Self::Other(map) => Box::new(map),
         }
     }
 }

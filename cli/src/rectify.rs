@@ -78,8 +78,8 @@ impl Rectification {
         let photograph = match camera {
             None => None,
             Some(SensorFile::Camera(camera)) => Some(camera.camera()?),
-            Some(SensorFile::Scanner(_)) => bail!(
-                "a scanner has no lens that corners could go through: leave --camera out, or give a --plane"
+            Some(SensorFile::Scanner(_) | SensorFile::Rpc(_)) => bail!(
+                "the sensor has no lens that corners could go through: leave --camera out, or give a --plane"
             ),
         };
         let (w, h) = (f64::from(width), f64::from(height));

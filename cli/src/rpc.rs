@@ -1,9 +1,13 @@
 //! Places on the Earth through a rational polynomial camera, either way.
 
+use anyhow::Result;
 use collinear::camera::Rpc;
+use collinear::camera::rpc::{FitGrid, FitOptions, RpcFit};
 use collinear::geometry::geodetic::{EllipsoidalHeight, GeoidGrid, OrthometricHeight};
 use collinear::nalgebra::Point2;
 use collinear_io::points::{GeographicRow, ImagePointRow};
+use collinear_io::rpc::{RpcFile, World};
+use collinear_io::sensor::SensorFile;
 
 use crate::project::{OK, ProjectedRow, table};
 
@@ -14,6 +18,28 @@ pub enum Heights {
     Ellipsoid,
     /// A geoid above it.
     Geoid(GeoidGrid),
+}
+
+/// Nodes of a fit along x, along y, and layers of height.
+const NODES: [usize; 3] = [15, 15, 7];
+
+/// Rational polynomials in place of a camera or a scanner whose world is a frame on WGS84, between two heights (metres above the
+/// ellipsoid), with the picture's size and the world; and how far they are from it.
+///
+/// # Errors
+/// A sensor or a world out of their domain, and those of [`Rpc::fit_sensor`].
+pub fn fit(sensor: &SensorFile, world: World, heights: [f64; 2]) -> Result<(RpcFile, RpcFit)> {
+    let [width, height] = sensor.size();
+    let grid = FitGrid {
+        corners: [Point2::origin(), Point2::new(width.into(), height.into())],
+        heights: heights.map(EllipsoidalHeight),
+        nodes: NODES,
+    };
+    let found =
+        Rpc::fit_sensor(&*sensor.sensor()?, &world.frame()?, &grid, &FitOptions::default())?;
+    let mut file = RpcFile::from_rpc(&found.rpc);
+    (file.width, file.height, file.world) = (Some(width), Some(height), Some(world));
+    Ok((file, found))
 }
 
 /// The images of places. Whether they lie in the picture is not known: its size is not in the camera's file.

@@ -4,7 +4,7 @@ use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 use serde_json::Value;
 
-use crate::support::{Folder, document, vertical};
+use crate::support::{Folder, document, label, vertical};
 
 const COLMAP: [(&str, &str); 3] = [
     ("sparse/cameras.txt", "1 SIMPLE_RADIAL 640 480 500 320 240 -0.1\n"),
@@ -334,4 +334,221 @@ fn a_camera_goes_to_renderers() {
     assert!(folder.text("sparse/cameras.txt").contains(" PINHOLE 400 300 "));
     let run = folder.run(&["convert", "c.gltf", "--to", "gltf", "--far", "0.05", "-o", "d.gltf"]);
     assert!(run.code == 2 && run.stderr.contains("--far is not beyond --near"), "{}", run.stderr);
+}
+
+/// A camera 5 km over 44° N, 5° E that looks down, north up, c = 8000: rational polynomials fitted to it take places to its pixels. The
+/// places of two points are those of pyproj 3.7.2 (PROJ 9.5.1, topocentric inverse and cart inverse).
+#[test]
+fn an_rpc_is_fitted_to_a_camera_and_stands_in_its_world() {
+    let folder = Folder::new();
+    let camera = r#""width": 4000, "height": 3000,
+        "interior": { "model": "pinhole", "principal_distance": [8000, 8000], "principal_point": [2000, 1500] },
+        "exterior": { "projection_center": [0, 0, 5000], "rotation_matrix": [[1, 0, 0], [0, -1, 0], [0, 0, -1]] }"#;
+    folder.write("camera.json", document("camera", camera));
+    let command = [
+        "convert",
+        "camera.json",
+        "--to",
+        "rpc",
+        "--world",
+        "44,5,0",
+        "--between",
+        "0,800",
+        "-o",
+        "rpc.json",
+    ];
+    let run = folder.succeed(&command);
+    assert!(run.stderr.contains("rpc.json: off at the 1575 nodes "), "{}", run.stderr);
+    let by_hand = |x: f64, y: f64, z: f64| {
+        let scale = 8000.0 / (5000.0 - z);
+        [2000.0 + scale * x, 1500.0 - scale * y]
+    };
+    let pixels = |csv: &str| -> Vec<[f64; 2]> {
+        csv.lines()
+            .skip(1)
+            .map(|line| {
+                let cells: Vec<&str> = line.split(',').collect();
+                assert_eq!(cells[6], "ok", "{line}");
+                [cells[4].parse().unwrap(), cells[5].parse().unwrap()]
+            })
+            .collect()
+    };
+    let expected = [by_hand(300.0, -200.0, 450.0), by_hand(-900.0, 650.0, 100.0)];
+    let near = |found: &[[f64; 2]], tolerance: f64| {
+        for (f, e) in found.iter().zip(expected) {
+            assert!((f[0] - e[0]).hypot(f[1] - e[1]) < tolerance, "{f:?} {e:?}");
+        }
+        assert_eq!(found.len(), 2);
+    };
+    // As places, and as points of the world.
+    folder.write(
+        "places.csv",
+        "lon,lat,h\n5.00373998302984,43.99820008405269,450.0101847946644\n4.9887779945500315,44.005849294469506,100.09657670743763\n",
+    );
+    folder.write("world.csv", "X,Y,Z\n300,-200,450\n-900,650,100\n");
+    let places = ["project", "--camera", "rpc.json", "--heights", "ellipsoid", "places.csv"];
+    near(&pixels(&folder.succeed(&places).stdout), 1e-6);
+    near(&pixels(&folder.succeed(&["project", "--camera", "rpc.json", "world.csv"]).stdout), 1e-6);
+    // Back to a level of that world.
+    folder.write("level.json", document("plane", r#""point": [0, 0, 450], "normal": [0, 0, 1]"#));
+    folder.write("clicks.csv", format!("x,y\n{:?},{:?}\n", expected[0][0], expected[0][1]));
+    let run = folder.succeed(&[
+        "project",
+        "--camera",
+        "rpc.json",
+        "--inverse",
+        "--plane",
+        "level.json",
+        "clicks.csv",
+    ]);
+    let line = run.stdout.lines().nth(1).unwrap();
+    let cells: Vec<f64> = line.split(',').skip(1).take(3).map(|c| c.parse().unwrap()).collect();
+    for (found, expected) in cells.iter().zip([300.0, -200.0, 450.0]) {
+        assert!((found - expected).abs() < 1e-6, "{line}");
+    }
+    // A picture of it is rectified as one of the camera is.
+    folder.draw("photo.png", [4000, 3000], |x, y| label(x / 100, y / 100));
+    folder.write(
+        "square.json",
+        document(
+            "plane",
+            r#""point": [0, 0, 450], "normal": [0, 0, 1], "rectangle": { "left": -1000, "bottom": -700, "right": 1000, "top": 700 }"#,
+        ),
+    );
+    let rectified = |camera: &str, out: &str| {
+        folder.succeed(&[
+            "rectify",
+            "photo.png",
+            "--camera",
+            camera,
+            "--plane",
+            "square.json",
+            "--size",
+            "40x28",
+            "--filter",
+            "nearest",
+            "-o",
+            out,
+        ]);
+        folder.picture(out)
+    };
+    assert_eq!(rectified("rpc.json", "a.png"), rectified("camera.json", "b.png"));
+
+    // A vendor's file gets its size and its world.
+    folder.succeed(&["convert", "rpc.json", "--to", "rpb", "-o", "plain.RPB"]);
+    let run = folder.run(&[
+        "rectify",
+        "photo.png",
+        "--camera",
+        "plain.RPB",
+        "--plane",
+        "square.json",
+        "--size",
+        "40x28",
+        "-o",
+        "c.png",
+    ]);
+    assert_eq!(run.code, 1);
+    folder.succeed(&[
+        "convert",
+        "plain.RPB",
+        "--to",
+        "rpc",
+        "--world",
+        "44,5,0",
+        "--size",
+        "4000x3000",
+        "-o",
+        "placed.json",
+    ]);
+    assert_eq!(rectified("placed.json", "c.png"), rectified("camera.json", "b.png"));
+    folder.succeed(&[
+        "convert",
+        "plain.RPB",
+        "--to",
+        "rpc",
+        "--world",
+        "geocentric",
+        "-o",
+        "half.json",
+    ]);
+    for (arguments, code, told) in [
+        (
+            &[
+                "rectify",
+                "photo.png",
+                "--camera",
+                "half.json",
+                "--plane",
+                "square.json",
+                "--size",
+                "40x28",
+                "-o",
+                "d.png",
+            ][..],
+            1,
+            "half.json: width: is not given",
+        ),
+        (
+            &["convert", "camera.json", "--to", "rpb", "-o", "d.RPB"],
+            1,
+            "camera.json: holds no rational polynomial camera: to fit one",
+        ),
+        (
+            &[
+                "convert",
+                "camera.json",
+                "--to",
+                "rpc",
+                "--world",
+                "91,5,0",
+                "--between",
+                "0,800",
+                "-o",
+                "d.json",
+            ],
+            2,
+            "--world",
+        ),
+        (
+            &[
+                "convert",
+                "camera.json",
+                "--to",
+                "rpc",
+                "--world",
+                "44,5,0",
+                "--between",
+                "800,0",
+                "-o",
+                "d.json",
+            ],
+            2,
+            "--between",
+        ),
+        (
+            &[
+                "convert",
+                "camera.json",
+                "--to",
+                "rpc",
+                "--world",
+                "44,5,0",
+                "--between",
+                "4990,5010",
+                "-o",
+                "d.json",
+            ],
+            1,
+            "camera.json: ",
+        ),
+    ] {
+        let run = folder.run(arguments);
+        assert!(
+            run.code == code && run.stderr.contains(told),
+            "{arguments:?} {}: {}",
+            run.code,
+            run.stderr
+        );
+    }
 }

@@ -320,6 +320,9 @@ pub enum FieldProblem {
         /// The domain, in words.
         expected: &'static str,
     },
+    /// A field that may be left out elsewhere.
+    #[error("is not given, and is needed where the camera stands in a world")]
+    NotGiven,
     /// A vector that must have a direction, or a length of one, has not.
     #[error("has length {}, expected {expected}", Brief(*norm))]
     Length {

@@ -84,9 +84,9 @@ pub struct Texture {
 /// A camera or a scanner, or the file that has it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SensorSource {
-    /// The camera itself, or the scanner under the key `scanner`.
+    /// The camera itself; the scanner under the key `scanner`, the rational polynomial camera under `rpc`.
     Inline(SensorFile),
-    /// A camera file or a scanner file, relative to the scene file.
+    /// The file of one of them, relative to the scene file.
     File(PathBuf),
 }
 
@@ -279,26 +279,38 @@ impl SensorSource {
             Self::Inline(SensorFile::Scanner(scanner)) => {
                 scanner.check().map_err(|e| e.under(SCANNER))
             }
+            Self::Inline(SensorFile::Rpc(rpc)) => {
+                rpc.check().and_then(|()| rpc.size().map(|_| ())).map_err(|e| e.under(RPC))
+            }
             Self::File(_) => Ok(()),
         }
     }
 }
 
-/// The key of a scanner that stands where a camera may.
+/// The keys of a scanner and of a rational polynomial camera that stand where a camera may.
 const SCANNER: &str = "scanner";
+const RPC: &str = "rpc";
 
 impl Serialize for SensorSource {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Inline(SensorFile::Camera(camera)) => camera.serialize(serializer),
-            Self::Inline(SensorFile::Scanner(scanner)) => {
-                let mut map = serializer.serialize_map(Some(1))?;
-                map.serialize_entry(SCANNER, scanner)?;
-                map.end()
-            }
+            Self::Inline(SensorFile::Scanner(scanner)) => under(serializer, SCANNER, scanner),
+            Self::Inline(SensorFile::Rpc(rpc)) => under(serializer, RPC, rpc),
             Self::File(path) => path.serialize(serializer),
         }
     }
+}
+
+/// An object with one key.
+fn under<S: Serializer>(
+    serializer: S,
+    key: &'static str,
+    value: &impl Serialize,
+) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(1))?;
+    map.serialize_entry(key, value)?;
+    map.end()
 }
 
 // By hand, since an untagged enum forgets where in the file an error is.
@@ -319,15 +331,18 @@ impl<'de> Deserialize<'de> for SensorSource {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SensorSource, A::Error> {
                 let first: Option<String> = map.next_key()?;
-                if first.as_deref() != Some(SCANNER) {
-                    let whole = MapAccessDeserializer::new(WithFirst { first, map });
-                    let camera = CameraFile::deserialize(whole)?;
-                    return Ok(SensorSource::Inline(SensorFile::Camera(camera)));
-                }
-                let scanner = map.next_value()?;
+                let sensor = match first.as_deref() {
+                    Some(SCANNER) => SensorFile::Scanner(map.next_value()?),
+                    Some(RPC) => SensorFile::Rpc(map.next_value()?),
+                    _ => {
+                        let whole = MapAccessDeserializer::new(WithFirst { first, map });
+                        let camera = CameraFile::deserialize(whole)?;
+                        return Ok(SensorSource::Inline(SensorFile::Camera(camera)));
+                    }
+                };
                 match map.next_key::<String>()? {
-                    None => Ok(SensorSource::Inline(SensorFile::Scanner(scanner))),
-                    Some(key) => Err(de::Error::unknown_field(&key, &[SCANNER])),
+                    None => Ok(SensorSource::Inline(sensor)),
+                    Some(key) => Err(de::Error::unknown_field(&key, &[SCANNER, RPC])),
                 }
             }
         }

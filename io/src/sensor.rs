@@ -9,6 +9,7 @@ use crate::check::one_size;
 use crate::convert::Camera;
 use crate::error::{Error, ErrorKind};
 use crate::json::{Document, kind_of, read_text};
+use crate::rpc::RpcFile;
 use crate::scanner::ScannerFile;
 
 /// A sensor's file, of whichever kind.
@@ -18,6 +19,8 @@ pub enum SensorFile {
     Camera(CameraFile),
     /// A scan.
     Scanner(Box<ScannerFile>),
+    /// A rational polynomial camera in its world.
+    Rpc(Box<RpcFile>),
 }
 
 impl From<CameraFile> for SensorFile {
@@ -30,11 +33,16 @@ impl SensorFile {
     /// From text that says what it is.
     ///
     /// # Errors
-    /// As [`Document::parse`].
+    /// As [`Document::parse`], and [`RpcFile::sensor`].
     pub fn parse(text: &str) -> Result<Self, Error> {
         match kind_of(text)? {
             Some(kind) if kind == ScannerFile::KIND => {
                 ScannerFile::parse(text).map(Box::new).map(Self::Scanner)
+            }
+            Some(kind) if kind == RpcFile::KIND => {
+                let file = RpcFile::parse(text)?;
+                file.sensor()?;
+                Ok(Self::Rpc(Box::new(file)))
             }
             Some(found) if found != CameraFile::KIND => {
                 Err(ErrorKind::WrongKind { expected: "camera or scanner", found }.into())
@@ -57,6 +65,8 @@ impl SensorFile {
         match self {
             Self::Camera(camera) => [camera.width, camera.height],
             Self::Scanner(scanner) => [scanner.width, scanner.height],
+            // One without a size is refused where it is read.
+            Self::Rpc(file) => file.size().unwrap_or_default(),
         }
     }
 
@@ -71,11 +81,12 @@ impl SensorFile {
     /// The library's sensor.
     ///
     /// # Errors
-    /// As [`CameraFile::camera`] and [`ScannerFile::sensor`].
+    /// As [`CameraFile::camera`], [`ScannerFile::sensor`] and [`RpcFile::sensor`].
     pub fn sensor(&self) -> Result<Box<dyn SensorModel>, Error> {
         match self {
             Self::Camera(camera) => camera.camera().map(Camera::into_sensor),
             Self::Scanner(scanner) => scanner.sensor(),
+            Self::Rpc(file) => Ok(Box::new(file.sensor()?)),
         }
     }
 }

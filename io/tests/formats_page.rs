@@ -9,6 +9,7 @@ use collinear_io::points::parse_points;
 use collinear_io::rpc::RpcFile;
 use collinear_io::scanner::ScannerFile;
 use collinear_io::scene::SceneFile;
+use collinear_io::sensor::SensorFile;
 
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     page.split(&format!("```{language}\n")).skip(1).filter_map(|b| b.split("```").next()).collect()
@@ -118,6 +119,7 @@ fn the_examples_of_the_formats_page_are_files() {
             "rpc" => {
                 survives::<RpcFile>(text);
                 RpcFile::parse(text).unwrap().rpc().unwrap();
+                SensorFile::parse(text).unwrap().sensor().unwrap();
             }
             "scene" => survives::<SceneFile>(text),
             other => panic!("an example of an unknown kind {other}"),

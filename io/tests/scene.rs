@@ -244,7 +244,19 @@ fn a_view_and_a_photograph_may_be_of_any_model_and_of_a_scanner() {
     let more = format!(r#"{{ "scanner": {scanner}, "width": 3 }}"#);
     let got = error("\"view\": CAMERA", &format!("\"view\": {more}"));
     assert!(got.starts_with("view: unknown field, remove it"), "{got}");
-    // A file may be either.
+    // So may a rational polynomial camera, where it says its size and its world.
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/formats.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let rpc = page.split("## rpc").nth(1).unwrap().split("```json").nth(1).unwrap();
+    let rpc =
+        rpc.split("```").next().unwrap().replace("\"collinear\": \"rpc\", \"version\": 1,", "");
+    let view = format!(r#""view": {{ "rpc": {rpc} }}"#);
+    let scene = parse("\"view\": CAMERA", &view).unwrap();
+    assert!(matches!(scene.view, SensorSource::Inline(SensorFile::Rpc(_))));
+    assert_eq!(SceneFile::parse(&scene.to_json().unwrap()).unwrap(), scene);
+    let got = error("\"view\": CAMERA", &view.replace("\"width\": 10000, ", ""));
+    assert!(got.starts_with("view.rpc.width: is not given"), "{got}");
+    // A file may be any.
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write(

@@ -118,7 +118,7 @@ behind_a_pointer!(&S, Box<S>, Arc<S>);
 /// The steps in which a curve is searched from its top for a change of sign.
 const STEPS: u32 = 64;
 
-/// Searches the curve from above for the first change of sign, then bisects to neighbouring floats.
+/// Searches the curve from above for the first change of sign, then closes in on it to neighbouring floats.
 fn first_crossing(
     curve: &HeightCurve,
     height_above: impl Fn(&Point3<f64>) -> f64,
@@ -131,23 +131,48 @@ fn first_crossing(
         let below = at(k);
         let value = height_above(&curve.at(below));
         // From either side, as a ray meets it: a plane may face down.
-        let from_above = above_value >= 0.0 && value <= 0.0;
-        if from_above || (above_value <= 0.0 && value >= 0.0) {
-            let (mut a, mut b) = (above, below);
-            loop {
-                let middle = 0.5 * (a + b);
-                if !((middle < a && middle > b) || (middle > a && middle < b)) {
-                    return Ok(curve.at(middle));
-                }
-                let middle_value = height_above(&curve.at(middle));
-                if if from_above { middle_value > 0.0 } else { middle_value < 0.0 } {
-                    a = middle;
-                } else {
-                    b = middle;
-                }
-            }
+        let sign = if above_value >= 0.0 && value <= 0.0 { 1.0 } else { -1.0 };
+        if sign > 0.0 || (above_value <= 0.0 && value >= 0.0) {
+            let height = crossing([above, below], [above_value, value].map(|v| sign * v), |h| {
+                sign * height_above(&curve.at(h))
+            });
+            return Ok(curve.at(height));
         }
         (above, above_value) = (below, value);
     }
     Err(ProjectionError::MissesSurface)
+}
+
+/// Where a function that is not negative at the first end changes its sign: regula falsi after Illinois (Dowell & Jarratt 1971), with
+/// a bisection every third time, so that a jump is found too.
+fn crossing(ends: [f64; 2], values: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
+    let ([mut a, mut b], [mut fa, mut fb]) = (ends, values);
+    // The end that stayed in the last round; of one that stays twice the value is halved.
+    let mut stayed = None;
+    for round in 1_u32.. {
+        let middle = 0.5 * (a + b);
+        let between = |h: f64| h > a.min(b) && h < a.max(b);
+        if !between(middle) {
+            return middle;
+        }
+        let secant = b - fb * ((b - a) / (fb - fa));
+        let h = if round % 3 != 0 && between(secant) { secant } else { middle };
+        let f = value(h);
+        if f > 0.0 {
+            (a, fa) = (h, f);
+            if stayed == Some(1) {
+                fb *= 0.5;
+            }
+            stayed = Some(1);
+        } else if f == 0.0 {
+            return h;
+        } else {
+            (b, fb) = (h, f);
+            if stayed == Some(0) {
+                fa *= 0.5;
+            }
+            stayed = Some(0);
+        }
+    }
+    0.5 * (a + b)
 }

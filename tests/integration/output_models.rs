@@ -321,6 +321,12 @@ fn a_dome_is_open_below_its_rim() {
         let at = dome.height_above(&Point3::from(d * 7.0));
         assert!(if inside { (at - 2.0).abs() < 1e-14 } else { at.is_nan() }, "{at}");
     }
+    // A projector on the sphere itself, below the rim, shines on the far side: 3² + 4² + 12² = 13².
+    let wide = Dome::new(Point3::origin(), 13.0, Vector3::z(), 1.5).unwrap();
+    let place = Point3::new(3.0, 4.0, -12.0);
+    let hit = wide.meet_ray(&Ray::new(place, Vector3::z()).unwrap()).unwrap();
+    assert_eq!(hit, Point3::new(3.0, 4.0, 12.0));
+    assert!(wide.meet_ray(&Ray::new(place, -Vector3::z()).unwrap()).is_err());
     // A whole sphere is closed, straight opposite too.
     let whole = Dome::new(Point3::origin(), 5.0, axis, std::f64::consts::PI).unwrap();
     assert!(whole.meet_ray(&Ray::new(Point3::origin(), -axis).unwrap()).is_ok());
@@ -376,4 +382,51 @@ fn bad_domes_and_pixels_are_refused_with_numbers() {
     let map = SensorMap::new(view, Sphere::UNIT, master(origin));
     assert!(map.at(&Point2::origin()).is_ok());
     assert_eq!(map.jacobian(&Point2::origin()), Err(ProjectionError::NotFinite));
+}
+
+/// A homogeneous camera is the frame that it was made from, by collinearity equations written out.
+#[test]
+fn a_homogeneous_camera_is_a_sensor() {
+    let place = Point3::new(1e6, 2e6, 300.0);
+    let target = place + Vector3::new(30.0, 70.0, -40.0);
+    let pose = ExteriorOrientation::look_at(place, target, Vector3::new(0.2, 0.1, 1.0)).unwrap();
+    let interior = InteriorOrientation::new([900.0, 880.0], Point2::new(510.0, 390.0), 1.5).unwrap();
+    let camera = Frame::new(pose, interior).homogeneous();
+    let plain = support::PlainCamera::new(&pose, &interior);
+    let world = target + Vector3::new(3.0, -5.0, 8.0);
+    let [x, y, _] = plain.project(world.into());
+    let (image, slopes) = camera.project_jacobian(&world).unwrap();
+    assert!((image - Point2::new(x, y)).norm() < 1e-8);
+    let h = 1e-3;
+    for k in 0..3 {
+        let step = Vector3::ith(k, h);
+        let [[ax, ay, _], [bx, by, _]] =
+            [world + step, world - step].map(|p| plain.project(p.into()));
+        let expected = [(ax - bx) / (2.0 * h), (ay - by) / (2.0 * h)];
+        for i in 0..2 {
+            assert!((slopes[(i, k)] - expected[i]).abs() < 1e-4, "{slopes} {expected:?}");
+        }
+    }
+    assert!(matches!(
+        camera.project(&(place - (target - place))),
+        Err(ProjectionError::BehindCamera { .. })
+    ));
+    let ground = Plane::from_point_and_normal(world, Vector3::new(0.1, -0.3, 0.9)).unwrap();
+    assert!((camera.ground(&image, &ground).unwrap() - world).norm() < 1e-8);
+    // A parallel projection 20 above a level sees it, and what is behind its plane Z′ = 0 too.
+    let flat = ExteriorOrientation::look_at(
+        Point3::new(10.0, 0.0, 20.0), Point3::new(10.0, 0.0, 0.0), Vector3::y(),
+    )
+    .unwrap();
+    let scale = Affine2::from_coefficients([50.0, 4.0, 0.0], [60.0, 0.0, 4.0]);
+    let parallel = Orthographic::new(flat, scale).unwrap().homogeneous();
+    for height in [0.0, 35.0] {
+        let level = Plane::from_point_and_normal(Point3::new(0.0, 0.0, height), Vector3::z());
+        let hit = parallel.ground(&Point2::new(58.0, 72.0), &level.unwrap()).unwrap();
+        // 8/4 to the right of x = 10, 12/4 below y = 0.
+        assert!((hit - Point3::new(12.0, -3.0, height)).norm() < 1e-12, "{hit}");
+        let (image, slopes) = parallel.project_jacobian(&hit).unwrap();
+        assert!((image - Point2::new(58.0, 72.0)).norm() < 1e-12);
+        assert!((slopes - Matrix2x3::new(4.0, 0.0, 0.0, 0.0, -4.0, 0.0)).norm() < 1e-12);
+    }
 }

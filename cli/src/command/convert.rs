@@ -4,15 +4,19 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
+use collinear::camera::rpc::FitResiduals;
 use collinear::geometry::projection::ClipConvention;
 use collinear_cli::convert::{Target, outputs, write};
+use collinear_cli::rpc;
 use collinear_io::Document;
+use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{self, Encoding};
 use collinear_io::opencv::Form;
 use collinear_io::orientation::AngleUnit;
 use collinear_io::photographs::{self, Given};
 use collinear_io::pix4d::parse_offset;
-use collinear_io::rpc::{RpcFile, read_if_rpc};
+use collinear_io::rpc::{RpcFile, World, read_if_rpc};
+use collinear_io::sensor::SensorFile;
 
 use super::{Files, Size, UsageError, in_file, positive, say};
 
@@ -60,6 +64,16 @@ pub(crate) struct Arguments {
     /// For matrices and glTF: the depth of the far plane; without it depths have no end
     #[arg(long, value_name = "DEPTH", value_parser = positive)]
     far: Option<f64>,
+
+    /// For RPC: the Cartesian world of a camera or scanner, `geocentric` on WGS84, or LAT,LON,H of the place
+    /// (degrees, metres) from which x leads east, y north, z up. Of an RPC the world that it is to stand in
+    #[arg(long, value_name = "WORLD", value_parser = world, allow_hyphen_values = true)]
+    world: Option<World>,
+
+    /// For an RPC that is fitted to a camera or scanner: the lowest and the highest ground, metres above
+    /// the ellipsoid
+    #[arg(long, value_name = "MIN,MAX", value_parser = heights, allow_hyphen_values = true)]
+    between: Option<[f64; 2]>,
 
     /// The file of a single photograph, or the folder of several and of COLMAP's files
     #[arg(short, long, value_name = "OUT")]
@@ -149,6 +163,33 @@ Pixel origins, axes and the order of parameters are those of each program: docs/
 which. A camera that the other program cannot have exactly, as a lens in a matrix, is an error and \
 nothing is written. Several photographs become files in the folder OUT, named like them.";
 
+/// A world by name or place.
+fn world(text: &str) -> Result<World, String> {
+    if text == "geocentric" {
+        return Ok(World::Geocentric {});
+    }
+    match numbers(text)[..] {
+        [latitude_deg, longitude_deg, height] if latitude_deg.abs() <= 90.0 => {
+            Ok(World::EastNorthUp { latitude_deg, longitude_deg, height })
+        }
+        _ => Err("expected `geocentric`, or a latitude from −90 to 90, a longitude and a height, as 44.1,5.2,0".into()),
+    }
+}
+
+/// The lowest and the highest ground.
+fn heights(text: &str) -> Result<[f64; 2], String> {
+    match numbers(text)[..] {
+        [low, high] if low < high => Ok([low, high]),
+        _ => Err("expected two heights in metres, the lower first, as 0,800".into()),
+    }
+}
+
+/// Finite numbers parted by commas; none where one of them is not.
+fn numbers(text: &str) -> Vec<f64> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    text.split(',').map(number).collect::<Option<_>>().unwrap_or_default()
+}
+
 const AFTER: &str = "\
 Examples:
   collinear convert sparse/0 --to camera -o cameras/
@@ -156,6 +197,7 @@ Examples:
   collinear convert south.json --to wgpu --near 1 -o south.matrices.json
   collinear convert table.txt --interior camera.json --angles gon --to colmap -o sparse/
   collinear convert image.tif --to rpb -o image.RPB
+  collinear convert strip.json --to rpc --world 44.1,5.2,0 --between 200,900 -o strip.rpc.json
 
 Exit codes: 0 done; 1 failed (old files are left as they were); 2 wrong usage, as an output that is \
 the input.";
@@ -174,15 +216,15 @@ impl Arguments {
         files.output("the output (-o)", &self.output)?;
         let rational = if self.input.is_file() { read_if_rpc(&self.input)? } else { None };
         let target = match (self.to_what()?, rational) {
-            (Output::Rational(write), Some(file)) => {
-                if !self.photograph.is_empty() {
-                    return Err(in_file(&self.input, "is one camera: leave --photograph out"));
-                }
+            (Output::Rational(write), file) => {
+                let file = self.in_world(match file {
+                    Some(_) if !self.photograph.is_empty() => {
+                        return Err(in_file(&self.input, "is one camera: leave --photograph out"));
+                    }
+                    Some(file) => file,
+                    None => self.fitted(&mut files)?,
+                });
                 return Ok(write(&file, &self.output)?);
-            }
-            (Output::Rational(_), None) => {
-                let why = "holds no rational polynomial camera, which --to asks for";
-                return Err(in_file(&self.input, why));
             }
             (Output::Photographs(_), Some(_)) => {
                 let why = "is a rational polynomial camera: convert it --to rpc, rpb or rpc-txt";
@@ -190,20 +232,7 @@ impl Arguments {
             }
             (Output::Photographs(target), None) => target,
         };
-        let mut cameras = photographs::read_with(&self.input, &self.given(&mut files)?)?;
-        if !self.photograph.is_empty() {
-            for name in &self.photograph {
-                if !cameras.iter().any(|(n, _)| n == name) {
-                    let known: Vec<_> = cameras.iter().map(|(n, _)| n.as_str()).take(10).collect();
-                    let more = if cameras.len() > 10 { ", …" } else { "" };
-                    return Err(in_file(
-                        &self.input,
-                        anyhow!("has no photograph `{name}`: {}{more}", known.join(", ")),
-                    ));
-                }
-            }
-            cameras.retain(|(n, _)| self.photograph.contains(n));
-        }
+        let cameras = self.photographs(&mut files)?;
         for path in outputs(&cameras, target, &self.output).map_err(|e| in_file(&self.input, e))? {
             if path != self.output {
                 files.output("an output", &path)?;
@@ -219,6 +248,65 @@ impl Arguments {
             say(&format!("{} files in {}", paths.len(), self.output.display()));
         }
         Ok(())
+    }
+
+    /// The photographs that are asked for.
+    fn photographs(&self, files: &mut Files) -> Result<Vec<(String, CameraFile)>> {
+        let mut cameras = photographs::read_with(&self.input, &self.given(files)?)?;
+        if !self.photograph.is_empty() {
+            for name in &self.photograph {
+                if !cameras.iter().any(|(n, _)| n == name) {
+                    let known: Vec<_> = cameras.iter().map(|(n, _)| n.as_str()).take(10).collect();
+                    let more = if cameras.len() > 10 { ", …" } else { "" };
+                    return Err(in_file(
+                        &self.input,
+                        anyhow!("has no photograph `{name}`: {}{more}", known.join(", ")),
+                    ));
+                }
+            }
+            cameras.retain(|(n, _)| self.photograph.contains(n));
+        }
+        Ok(cameras)
+    }
+
+    /// The RPC with the size and the world that were given.
+    fn in_world(&self, mut file: RpcFile) -> RpcFile {
+        if let Some(Size { width, height }) = self.size {
+            (file.width, file.height) = (Some(width), Some(height));
+        }
+        file.world = self.world.or(file.world);
+        file
+    }
+
+    /// A rational polynomial camera in place of a camera or a scanner.
+    fn fitted(&self, files: &mut Files) -> Result<RpcFile> {
+        let (Some(world), Some(between)) = (self.world, self.between) else {
+            let why = "holds no rational polynomial camera: to fit one to its camera give --world and --between";
+            return Err(in_file(&self.input, why));
+        };
+        let sensor = match SensorFile::read(&self.input) {
+            Ok(scanner @ SensorFile::Scanner(_)) => scanner,
+            _ => match &self.photographs(files)?[..] {
+                [(_, camera)] => camera.clone().into(),
+                others => {
+                    let count = others.len();
+                    let why = anyhow!("has {count} photographs: choose one with --photograph");
+                    return Err(in_file(&self.input, why));
+                }
+            },
+        };
+        let (file, report) =
+            rpc::fit(&sensor, world, between).map_err(|e| in_file(&self.input, e))?;
+        let brief = |r: &FitResiduals| format!("{:.2e} px rms, {:.2e} at most", r.rms, r.max);
+        say(&format!(
+            "{}: off at the {} nodes {}; at the {} between them {}",
+            self.output.display(),
+            report.fit.points,
+            brief(&report.fit),
+            report.check.points,
+            brief(&report.check)
+        ));
+        Ok(file)
     }
 
     /// What the input may not say.

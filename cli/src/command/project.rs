@@ -82,7 +82,8 @@ with a header and no points gives a table without lines, an empty file is an err
 A file with a rational polynomial camera (RPB, _RPC.TXT, DIMAP XML, GeoTIFF, OSSIM .geom, collinear's \
 JSON) is taken as the camera too. Its points are longitude and latitude on WGS84 in degrees and a \
 height in metres above the ellipsoid, or with --heights geoid above the geoid; the columns are lon, lat, \
-h in place of X, Y, Z. Its picture's size is not known, no point is outside it.";
+h in place of X, Y, Z. Its picture's size is not known, no point is outside it. Collinear's own JSON may \
+say the size and a Cartesian world: then the points are X, Y, Z there, unless --heights or --height is given.";
 
 const AFTER: &str = "\
 Examples:
@@ -108,7 +109,10 @@ impl Arguments {
         if let Some(path) = &self.geoid {
             files.input("the geoid", path)?;
         }
-        if let Some(file) = read_if_rpc(&self.camera)? {
+        // An RPC that stands in a world is a camera like others, unless heights say that places are meant.
+        let geographic =
+            |f: &RpcFile| f.world.is_none() || self.height.is_some() || self.heights.is_some();
+        if let Some(file) = read_if_rpc(&self.camera)?.filter(geographic) {
             let rows = self.through_rpc(&file)?;
             return self.write(&rows, &rpc::to_csv(&rows));
         }

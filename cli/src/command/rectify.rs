@@ -151,6 +151,7 @@ impl Arguments {
             let model = match camera {
                 SensorFile::Camera(camera) => camera.interior.model(),
                 SensorFile::Scanner(_) => "scanner",
+                SensorFile::Rpc(_) => "rpc",
             };
             return Err(in_file(
                 file,

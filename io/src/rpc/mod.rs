@@ -25,7 +25,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use collinear::camera::rpc::{ImageCorrection, Rpc, Rpc00b};
+use collinear::camera::rpc::{ImageCorrection, Rpc, Rpc00b, RpcSensor};
+use collinear::geometry::geodetic::{
+    EarthFrame, Ellipsoid, EllipsoidalHeight, Geodetic, LocalFrame,
+};
 use collinear::nalgebra::{Matrix2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +94,54 @@ pub struct RpcFile {
         deserialize_with = "object::optional"
     )]
     pub correction: Option<Correction>,
+    /// Width of the picture, pixels, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width: Option<u32>,
+    /// Height of the picture, pixels, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height: Option<u32>,
+    /// The Cartesian world that the camera is to stand in, where there is one.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "object::optional"
+    )]
+    pub world: Option<World>,
+}
+
+/// A Cartesian frame on WGS84.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "frame", rename_all = "snake_case", deny_unknown_fields)]
+pub enum World {
+    /// Geocentric coordinates.
+    Geocentric {},
+    /// x to the east, y to the north, z up, from a place.
+    EastNorthUp {
+        /// Degrees, north positive.
+        latitude_deg: f64,
+        /// Degrees, east positive.
+        longitude_deg: f64,
+        /// Metres above the ellipsoid.
+        height: f64,
+    },
+}
+
+impl World {
+    /// The library's frame.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Library`] for a place that is none.
+    pub fn frame(&self) -> Result<EarthFrame, Error> {
+        Ok(match *self {
+            Self::Geocentric {} => EarthFrame::Geocentric(Ellipsoid::WGS84),
+            Self::EastNorthUp { latitude_deg, longitude_deg, height } => {
+                let height = EllipsoidalHeight(height);
+                let origin = Geodetic::from_degrees(latitude_deg, longitude_deg, height)
+                    .map_err(|source| ErrorKind::Library { field: "world".into(), source })?;
+                EarthFrame::Local(LocalFrame::east_north_up(Ellipsoid::WGS84, origin))
+            }
+        })
+    }
 }
 
 /// An affine correction of the image, p = q + shift + linear (q − about), in pixels from the corner of the first one.
@@ -205,6 +256,27 @@ impl RpcFile {
         Ok(rpc.with_correction(correction))
     }
 
+    /// The library's sensor in the file's world, and the size of its picture.
+    ///
+    /// # Errors
+    /// [`FieldProblem::NotGiven`] where the file has no `width`, `height` or `world`; as [`rpc`](Self::rpc) and [`World::frame`].
+    pub fn sensor(&self) -> Result<RpcSensor, Error> {
+        let missing = |field| FieldError::new(field, FieldProblem::NotGiven);
+        let world = self.world.ok_or_else(|| missing("world"))?;
+        self.size()?;
+        Ok(RpcSensor::new(self.rpc()?, world.frame()?))
+    }
+
+    /// Width and height of the picture, pixels.
+    ///
+    /// # Errors
+    /// [`FieldProblem::NotGiven`] where the file does not say.
+    pub fn size(&self) -> Result<[u32; 2], FieldError> {
+        let missing = |field| FieldError::new(field, FieldProblem::NotGiven);
+        let width = self.width.ok_or_else(|| missing("width"))?;
+        Ok([width, self.height.ok_or_else(|| missing("height"))?])
+    }
+
     /// The file of a camera, with its correction where it has one.
     #[must_use]
     pub fn from_rpc(rpc: &Rpc) -> Self {
@@ -259,6 +331,9 @@ impl RpcFile {
             error_bias: r.error_bias,
             error_random: r.error_random,
             correction: None,
+            width: None,
+            height: None,
+            world: None,
         }
     }
 
@@ -351,6 +426,15 @@ impl Document for RpcFile {
             finite("correction.about", &c.about)?;
             finite("correction.shift", &c.shift)?;
             finite("correction.linear", &c.linear.concat())?;
+        }
+        for (field, size) in [("width", self.width), ("height", self.height)] {
+            in_range(field, size.unwrap_or(1).into(), "at least 1 pixel", |v| v >= 1.0)?;
+        }
+        if let Some(World::EastNorthUp { latitude_deg, longitude_deg, height }) = self.world {
+            let expected = "from −90 to 90";
+            in_range("world.latitude_deg", latitude_deg, expected, |v| v.abs() <= 90.0)?;
+            finite("world.longitude_deg", &[longitude_deg])?;
+            finite("world.height", &[height])?;
         }
         Ok(())
     }
