@@ -390,7 +390,8 @@ fn a_homogeneous_camera_is_a_sensor() {
     let place = Point3::new(1e6, 2e6, 300.0);
     let target = place + Vector3::new(30.0, 70.0, -40.0);
     let pose = ExteriorOrientation::look_at(place, target, Vector3::new(0.2, 0.1, 1.0)).unwrap();
-    let interior = InteriorOrientation::new([900.0, 880.0], Point2::new(510.0, 390.0), 1.5).unwrap();
+    let interior =
+        InteriorOrientation::new([900.0, 880.0], Point2::new(510.0, 390.0), 1.5).unwrap();
     let camera = Frame::new(pose, interior).homogeneous();
     let plain = support::PlainCamera::new(&pose, &interior);
     let world = target + Vector3::new(3.0, -5.0, 8.0);
@@ -415,7 +416,9 @@ fn a_homogeneous_camera_is_a_sensor() {
     assert!((camera.ground(&image, &ground).unwrap() - world).norm() < 1e-8);
     // A parallel projection 20 above a level sees it, and what is behind its plane Z′ = 0 too.
     let flat = ExteriorOrientation::look_at(
-        Point3::new(10.0, 0.0, 20.0), Point3::new(10.0, 0.0, 0.0), Vector3::y(),
+        Point3::new(10.0, 0.0, 20.0),
+        Point3::new(10.0, 0.0, 0.0),
+        Vector3::y(),
     )
     .unwrap();
     let scale = Affine2::from_coefficients([50.0, 4.0, 0.0], [60.0, 0.0, 4.0]);
