@@ -9,14 +9,16 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 
+use collinear::camera::rpc::{Rpc, Rpc00b};
 use collinear::camera::{
     Brown, CentralCamera, CentralProjection, Distortion, Division, DoubleSphere, EnhancedUnified,
     EvenRadial, ExteriorOrientation, FieldOfView, Fisheye, Frame, Fraser, Gnomonic,
-    ImageMotionCompensation, InteriorOrientation, Metashape, NoDistortion, Panorama,
+    ImageMotionCompensation, InteriorOrientation, Metashape, NoDistortion, Orthographic, Panorama,
     PolynomialTrajectory, RadialTangentialThinPrism, Rational, ScanTime, Scanner, SensorModel,
     ThinPrism, UnifiedSphere,
 };
-use collinear::geometry::Dome;
+use collinear::geometry::geodetic::EllipsoidalHeight;
+use collinear::geometry::{Affine2, Dome};
 use collinear::nalgebra::{Point2, Point3, Vector3};
 
 type Failure = Box<dyn Error>;
@@ -64,6 +66,10 @@ fn main() -> Result<(), Failure> {
 
     // The scanning cameras: a field of squares, flown over upwards in the figure.
     write("scanning", scans()?)?;
+
+    // Polynomials in place of a projection, and a projection without a centre.
+    write("rpc", rational()?)?;
+    write("parallel", parallel()?)?;
 
     // The display side: a dome's own grid, as it is drawn for the eye, and as a projector has to show it.
     write("output_models", domes()?)?;
@@ -159,6 +165,56 @@ fn scans() -> Result<String, Failure> {
         of("whiskbroom", &whiskbroom),
         of("rolling shutter, turning", &shutter),
     ]))
+}
+
+/// A field of squares through a rational polynomial camera, at the lowest height (dashed) and the highest. Cubic terms are those of a strong
+/// lens and a rough orbit.
+fn rational() -> Result<String, Failure> {
+    let polynomial = |terms: &[(usize, f64)]| {
+        let mut coefficients = [0.0; 20];
+        for (k, c) in terms {
+            coefficients[*k] = *c;
+        }
+        coefficients
+    };
+    // L, P, H are terms 1 to 3; L³, P³, L²P and LP² are 11, 15, 14 and 12.
+    let rpc = Rpc::from_rpc00b(&Rpc00b {
+        line_offset: -0.5,
+        sample_offset: -0.5,
+        line_scale: 1.0,
+        sample_scale: 1.0,
+        latitude_offset_deg: 0.0,
+        longitude_offset_deg: 0.0,
+        height_offset: 0.0,
+        latitude_scale_deg: 1.0,
+        longitude_scale_deg: 1.0,
+        height_scale: 1.0,
+        line_numerator: polynomial(&[(1, 0.1), (2, -1.0), (3, 0.05), (15, 0.12), (14, 0.05)]),
+        line_denominator: polynomial(&[(0, 1.0), (2, 0.06), (3, -0.03)]),
+        sample_numerator: polynomial(&[(1, 1.0), (2, 0.12), (3, 0.12), (11, -0.06), (12, -0.05)]),
+        sample_denominator: polynomial(&[(0, 1.0), (1, 0.04), (3, -0.03)]),
+        error_bias: None,
+        error_random: None,
+    })?;
+    let at = |height: f64| {
+        let point = |x: f64, y: f64| {
+            rpc.project_degrees(0.9 * y / 0.75, 0.9 * x / 1.5, EllipsoidalHeight(height)).ok()
+        };
+        field(&point)
+    };
+    Ok(drawing(&[Panel { caption: "", ideal: at(-0.9), lines: at(0.9) }]))
+}
+
+/// A field of squares and the block above it, seen without a centre: parallel lines stay parallel.
+fn parallel() -> Result<String, Failure> {
+    let pose =
+        ExteriorOrientation::look_at(Point3::new(2.0, -3.0, 3.0), Point3::origin(), Vector3::z())?;
+    let screen = Orthographic::new(pose, Affine2::identity())?;
+    let at = |height: f64| {
+        let point = |x: f64, y: f64| screen.project(&Point3::new(x, y, height)).ok();
+        field(&point)
+    };
+    Ok(drawing(&[Panel { caption: "", ideal: at(0.5), lines: at(0.0) }]))
 }
 
 /// The lines of a field of squares, three wide and one and a half along the flight.

@@ -1,10 +1,11 @@
 //! Exterior orientation: where the camera stands and how it is turned.
 
-use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use nalgebra::{Matrix2x3, Matrix3, Point3, Rotation3, Vector3};
 
+use super::{ParameterGroup, parameters};
 use crate::error::Error;
 use crate::geometry::Pose;
-use crate::geometry::rotation::{self, OmegaPhiKappa};
+use crate::geometry::rotation::{self, OmegaPhiKappa, RotationVector, orthonormalised};
 
 /// Exterior orientation: the projection centre and the rotation camera_from_world.
 ///
@@ -141,5 +142,43 @@ impl ExteriorOrientation {
     #[must_use]
     pub fn pose(&self) -> &Pose {
         &self.pose
+    }
+
+    /// The values of the parameter group: the centre, and a rotation vector that is zero, as it counts from the current rotation.
+    pub(super) fn values(&self) -> [f64; 6] {
+        let c = self.pose.origin;
+        [c.x, c.y, c.z, 0.0, 0.0, 0.0]
+    }
+
+    /// Moved by a step of the centre and a left rotation vector δ: camera_from_world ← exp(\[δ\]×) R.
+    pub(super) fn moved(&self, step: &[f64]) -> Result<Self, Error> {
+        let [x, y, z, a, b, c] = parameters::read(step)?;
+        if !step.iter().all(|s| s.is_finite()) {
+            return Err(Error::NotFinite { what: "exterior orientation step" });
+        }
+        let center = self.pose.origin + Vector3::new(x, y, z);
+        if !center.iter().all(|c| c.is_finite()) {
+            return Err(Error::NotFinite { what: "projection centre after a step" });
+        }
+        let turn = RotationVector { x: a, y: b, z: c }.rotation();
+        // Products of many small turns drift from orthonormal; renormalising at each step keeps them there.
+        let product = turn.matrix() * self.pose.rotation.matrix();
+        Ok(Self::new(center, orthonormalised(&product)?))
+    }
+}
+
+/// The group of an exterior orientation.
+pub(super) const EXTERIOR: ParameterGroup = ParameterGroup { name: "exterior orientation", len: 6 };
+
+/// ∂(x, y) by the group, two rows of six, where the slice has their length: by the centre the opposite of that by the world.
+pub(super) fn write_partials(by_world: &Matrix2x3<f64>, by_turn: &Matrix2x3<f64>, out: &mut [f64]) {
+    if out.len() != 2 * EXTERIOR.len {
+        return;
+    }
+    for row in 0..2 {
+        for i in 0..3 {
+            out[row * 6 + i] = -by_world[(row, i)];
+            out[row * 6 + 3 + i] = by_turn[(row, i)];
+        }
     }
 }

@@ -1,14 +1,14 @@
 //! The frame camera: one exposure from one place.
 
-use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
+use nalgebra::{Matrix2x3, Point2, Point3};
 
+use super::exterior::{self, EXTERIOR};
 use super::interior::InteriorOrientation;
 use super::{
     Adjustable, CentralCamera, CentralModel, Distortion, ExteriorOrientation, Gnomonic,
-    HomogeneousCamera, ParameterGroup, SensorModel, collinearity,
+    HomogeneousCamera, ParameterGroup, SensorModel, collinearity, parameters,
 };
 use crate::error::{Error, ProjectionError};
-use crate::geometry::rotation::{RotationVector, orthonormalised};
 use crate::geometry::{Locus, Ray};
 
 /// A photograph taken from one place: an exterior orientation and a central model.
@@ -51,8 +51,6 @@ pub struct Frame<C> {
     /// What it does to a direction.
     pub camera: C,
 }
-
-const EXTERIOR: ParameterGroup = ParameterGroup { name: "exterior orientation", len: 6 };
 
 impl<C> Frame<C> {
     /// A camera at its place.
@@ -113,12 +111,7 @@ impl<C: CentralModel + Adjustable> Adjustable for Frame<C> {
     fn parameters(&self, group: usize, values: &mut [f64]) {
         match group.checked_sub(1) {
             Some(inner) => self.camera.parameters(inner, values),
-            None => {
-                let c = self.exterior.projection_center();
-                for (v, p) in values.iter_mut().zip([c.x, c.y, c.z, 0.0, 0.0, 0.0]) {
-                    *v = p;
-                }
-            }
+            None => parameters::write(&self.exterior.values(), values),
         }
     }
 
@@ -126,24 +119,7 @@ impl<C: CentralModel + Adjustable> Adjustable for Frame<C> {
         if let Some(inner) = group.checked_sub(1) {
             return self.camera.adjust(inner, step);
         }
-        let &[x, y, z, a, b, c] = step else {
-            return Err(Error::LengthMismatch {
-                what: "parameter group and step",
-                left: EXTERIOR.len,
-                right: step.len(),
-            });
-        };
-        if !step.iter().all(|s| s.is_finite()) {
-            return Err(Error::NotFinite { what: "exterior orientation step" });
-        }
-        let center = self.exterior.projection_center() + Vector3::new(x, y, z);
-        if !center.iter().all(|c| c.is_finite()) {
-            return Err(Error::NotFinite { what: "projection centre after a step" });
-        }
-        let turn = RotationVector { x: a, y: b, z: c }.rotation();
-        // Products of many small turns drift from orthonormal; renormalising at each step keeps them there.
-        let product = turn.matrix() * self.exterior.camera_from_world().matrix();
-        self.exterior = ExteriorOrientation::new(center, orthonormalised(&product)?);
+        self.exterior = self.exterior.moved(step)?;
         Ok(())
     }
 
@@ -164,16 +140,9 @@ impl<C: CentralModel + Adjustable> Adjustable for Frame<C> {
         let by_direction = Matrix2x3::from_row_slice(&by_direction);
         let by_world = by_direction * pose.rotation.matrix();
         collinearity::write_rows(&by_world, by_object);
-        if let Some(out) = own
-            && out.len() == 2 * EXTERIOR.len
-        {
+        if let Some(out) = own.filter(|out| !out.is_empty()) {
             let by_rotation = by_direction * collinearity::rotation_partials(&in_camera.coords);
-            for row in 0..2 {
-                for i in 0..3 {
-                    out[row * 6 + i] = -by_world[(row, i)];
-                    out[row * 6 + 3 + i] = by_rotation[(row, i)];
-                }
-            }
+            exterior::write_partials(&by_world, &by_rotation, out);
         }
         Ok(image)
     }

@@ -2,7 +2,11 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Point2, Point3, Vector3};
 
-use super::{ExteriorOrientation, HomogeneousCamera, SensorModel, collinearity};
+use super::exterior::{self, EXTERIOR};
+use super::{
+    Adjustable, ExteriorOrientation, HomogeneousCamera, ParameterGroup, SensorModel, collinearity,
+    no_group, parameters,
+};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Affine2, Locus, Ray, Surface};
 
@@ -14,6 +18,13 @@ use crate::geometry::{Affine2, Locus, Ray, Surface};
 ///
 /// A is in pixels per world unit. Maps and orthophotos are such pictures, and a texture laid on orthogonally. There is
 /// no eye: a point at any depth Z′ has an image. A ray starts on the plane Z′ = 0, so O is best placed above the scene.
+///
+#[doc = include_str!("../../docs/figures/lenses/parallel.svg")]
+///
+/// # Parameters
+/// Group 0 is the exterior orientation: O in world units, then a left rotation vector in radians. Group 1 is the map to pixels: a₁₁, a₁₂,
+/// a₂₁, a₂₂ in pixels a world unit, b₁, b₂ in pixels. No picture tells a step of O from one of b, nor one along the line of sight from
+/// none: hold one of them.
 ///
 /// # Example
 /// An orthophoto with its upper left corner at (500 000, 5 000 100) and half a metre a pixel. A point 10 m east and 5 m
@@ -58,6 +69,12 @@ impl Orthographic {
         HomogeneousCamera::orthographic(&self.exterior, &self.pixel_from_plane, &self.inverse)
     }
 
+    /// A row after row, then b.
+    fn pixel_values(&self) -> [f64; 6] {
+        let Affine2 { linear: a, translation: b } = self.pixel_from_plane;
+        [a.m11, a.m12, a.m21, a.m22, b.x, b.y]
+    }
+
     fn by_world(&self) -> Matrix2x3<f64> {
         let rotation = self.exterior.camera_from_world();
         let linear: Matrix2<f64> = self.pixel_from_plane.linear;
@@ -99,3 +116,62 @@ impl SensorModel for Orthographic {
         self.line(image)?.meet_either_way(surface)
     }
 }
+
+impl Adjustable for Orthographic {
+    fn parameter_group(&self, group: usize) -> Option<ParameterGroup> {
+        [EXTERIOR, PIXELS].get(group).copied()
+    }
+
+    fn parameters(&self, group: usize, values: &mut [f64]) {
+        match group {
+            0 => parameters::write(&self.exterior.values(), values),
+            1 => parameters::write(&self.pixel_values(), values),
+            _ => {}
+        }
+    }
+
+    fn adjust(&mut self, group: usize, step: &[f64]) -> Result<(), Error> {
+        *self = match group {
+            0 => Self { exterior: self.exterior.moved(step)?, ..*self },
+            1 => {
+                let step: [f64; PIXELS.len] = parameters::read(step)?;
+                let mut values = self.pixel_values();
+                values.iter_mut().zip(step).for_each(|(v, s)| *v += s);
+                let [a, b, c, d, x, y] = values;
+                Self::new(self.exterior, Affine2::from_coefficients([x, a, b], [y, c, d]))?
+            }
+            _ => return Err(no_group(group)),
+        };
+        Ok(())
+    }
+
+    fn partials(
+        &self,
+        object: &Point3<f64>,
+        by_object: &mut [f64; 6],
+        by_group: &mut [&mut [f64]],
+    ) -> Result<Point2<f64>, ProjectionError> {
+        let p = self.exterior.pose().apply(object);
+        let image = collinearity::finite(self.pixel_from_plane.apply(&p.xy()))?;
+        let by_world = self.by_world();
+        collinearity::write_rows(&by_world, by_object);
+        for (group, out) in by_group.iter_mut().enumerate().filter(|(_, out)| !out.is_empty()) {
+            match group {
+                0 => {
+                    let turned = collinearity::rotation_partials(&p.coords);
+                    let by_turn = self.pixel_from_plane.linear * turned.fixed_rows::<2>(0);
+                    exterior::write_partials(&by_world, &by_turn, out);
+                }
+                1 => parameters::write(
+                    &[p.x, p.y, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, p.x, p.y, 0.0, 1.0],
+                    out,
+                ),
+                _ => {}
+            }
+        }
+        Ok(image)
+    }
+}
+
+/// The group of the affine map.
+const PIXELS: ParameterGroup = ParameterGroup { name: "pixels from plane", len: 6 };

@@ -401,3 +401,55 @@ fn constructors_say_what_is_wrong() {
     let exterior = ExteriorOrientation::new(here, Rotation3::identity());
     assert!(matches!(Orthographic::new(exterior, flat), Err(Error::Degenerate { .. })));
 }
+
+#[test]
+fn a_parallel_projection_is_adjusted() {
+    use collinear::camera::Adjustable;
+    // Straight down from (10, 0, 10), 4 px a unit: (12, −3, 0) is 2 right, 3 down and 10 deep.
+    let down = Rotation3::from_matrix_unchecked(Matrix3::new(
+        1.0, 0.0, 0.0, //
+        0.0, -1.0, 0.0, //
+        0.0, 0.0, -1.0,
+    ));
+    let exterior = ExteriorOrientation::new(Point3::new(10.0, 0.0, 10.0), down);
+    let scale = Affine2::from_coefficients([50.0, 4.0, 0.0], [60.0, 0.0, 4.0]);
+    let mut camera = Orthographic::new(exterior, scale).unwrap();
+    let names = [0, 1].map(|g| camera.parameter_group(g).unwrap());
+    assert_eq!(
+        names.map(|g| (g.name, g.len)),
+        [("exterior orientation", 6), ("pixels from plane", 6)]
+    );
+    assert!(camera.parameter_group(2).is_none());
+    let world = Point3::new(12.0, -3.0, 0.0);
+    let (mut by_world, mut by_pose, mut by_pixels) = ([0.0; 6], [0.0; 12], [0.0; 12]);
+    let image =
+        camera.partials(&world, &mut by_world, &mut [&mut by_pose, &mut by_pixels]).unwrap();
+    assert_eq!(image, Point2::new(58.0, 72.0));
+    assert_eq!(by_world, [4.0, 0.0, 0.0, 0.0, -4.0, 0.0]);
+    // By O the opposite; by δ the first two of 4 δ × (2, 3, 10).
+    assert_eq!(by_pose[..6], [-4.0, 0.0, 0.0, 0.0, 40.0, -12.0]);
+    assert_eq!(by_pose[6..], [0.0, 4.0, 0.0, -40.0, 0.0, 8.0]);
+    assert_eq!(by_pixels[..6], [2.0, 3.0, 0.0, 0.0, 1.0, 0.0]);
+    assert_eq!(by_pixels[6..], [0.0, 0.0, 2.0, 3.0, 0.0, 1.0]);
+    // A step moves the image along its slope.
+    camera.adjust(0, &[0.5, -0.25, 3.0, 0.0, 0.0, 0.0]).unwrap();
+    assert_eq!(camera.project(&world).unwrap(), Point2::new(58.0 - 2.0, 72.0 - 1.0));
+    let mut values = [9.0; 6];
+    camera.parameters(0, &mut values);
+    assert_eq!(values, [10.5, -0.25, 13.0, 0.0, 0.0, 0.0]);
+    camera.adjust(1, &[0.5, 0.0, 0.0, 0.0, 1.0, -2.0]).unwrap();
+    camera.parameters(1, &mut values);
+    assert_eq!(values, [4.5, 0.0, 0.0, 4.0, 51.0, 58.0]);
+    let turned = camera;
+    camera.adjust(0, &[0.0, 0.0, 0.0, 0.0, 1e-7, 0.0]).unwrap();
+    let moved = camera.project(&world).unwrap() - turned.project(&world).unwrap();
+    assert!((moved.x / 1e-7 - 4.5 * 13.0).abs() < 1e-5 && moved.y.abs() < 1e-12, "{moved}");
+    for (group, step) in [(0, &[0.0; 5][..]), (1, &[0.0; 7]), (2, &[0.0; 6])] {
+        assert!(camera.adjust(group, step).is_err());
+    }
+    // A map that is flat is refused, and the camera stays as it was.
+    let before = camera;
+    assert!(camera.adjust(1, &[-4.5, 0.0, 0.0, 0.0, 0.0, 0.0]).is_err());
+    assert!(camera.adjust(0, &[f64::NAN; 6]).is_err());
+    assert_eq!(camera, before);
+}

@@ -24,6 +24,8 @@ use crate::numeric::twofold::Twofold;
 /// lines and samples from the centre of the first pixel, this crate from its corner: the half pixel is crossed here, by
 /// [`from_rpc00b`](Self::from_rpc00b) and [`to_rpc00b`](Self::to_rpc00b), and nowhere else.
 ///
+#[doc = include_str!("../../../docs/figures/lenses/rpc.svg")]
+///
 /// # Domain
 /// |L|, |P|, |H| ≤ 2, or what [`with_domain`](Self::with_domain) says: the polynomials are fitted within ±1 and mean
 /// nothing far outside. Within it a denominator must stay above 0.001 of its value at the centre, with the same sign.
