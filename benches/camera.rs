@@ -3,9 +3,10 @@
 use std::hint::black_box;
 
 use collinear::camera::{
-    Adjustable, Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation, SensorModel,
+    Adjustable, Brown, BrownCamera, ExteriorOrientation, Frame, InteriorOrientation, Orthographic,
+    SensorModel,
 };
-use collinear::geometry::{Locus, Plane};
+use collinear::geometry::{Affine2, Locus, Plane};
 use collinear::nalgebra::{Point2, Point3, Vector3};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -79,6 +80,41 @@ fn bench(c: &mut Criterion) {
                 .filter_map(|p| frame.ground(black_box(p), &ground).ok())
                 .map(|p| p.x)
                 .sum::<f64>()
+        });
+    });
+    // The same place as a map: 20 px a unit.
+    let above = ExteriorOrientation::look_at(
+        Point3::new(389_450.0, 5_819_720.0, 900.0),
+        Point3::new(389_450.0, 5_819_720.0, 40.0),
+        Vector3::y(),
+    );
+    let scale = Affine2::from_coefficients([500.0, 20.0, 0.0], [400.0, 0.0, 20.0]);
+    let Ok(map) = above.and_then(|pose| Orthographic::new(pose, scale)) else {
+        unreachable!("a view from above")
+    };
+    let images: Vec<Point2<f64>> = world.iter().filter_map(|w| map.project(w).ok()).collect();
+    group.bench_function("forward, parallel", |b| {
+        b.iter(|| {
+            world.iter().filter_map(|w| map.project(black_box(w)).ok()).map(|p| p.x).sum::<f64>()
+        });
+    });
+    group.bench_function("forward with partials by object, pose and pixels, parallel", |b| {
+        let (mut object, mut pose, mut pixels) = ([0.0; 6], [0.0; 12], [0.0; 12]);
+        b.iter(|| {
+            let mut sum = 0.0;
+            for w in &world {
+                let mut groups = [&mut pose[..], &mut pixels[..]];
+                if map.partials(black_box(w), &mut object, &mut groups).is_ok() {
+                    sum += object[0] + groups[0][3] + groups[1][0];
+                }
+            }
+            sum
+        });
+    });
+    group.bench_function("inverse to a plane, parallel", |b| {
+        b.iter(|| {
+            let hits = images.iter().filter_map(|p| map.ground(black_box(p), &ground).ok());
+            hits.map(|p| p.x).sum::<f64>()
         });
     });
     group.finish();

@@ -265,6 +265,7 @@ fn a_globe_hides_its_far_side_from_a_photograph() {
                 let Err(ProjectionError::Hidden { distance }) = map.at(&pixel) else {
                     panic!("{pixel} is hidden");
                 };
+                assert_eq!(map.jacobian(&pixel), Err(ProjectionError::Hidden { distance }));
                 // The chord from where the line of sight enters the globe.
                 let chord = {
                     let d = (world - center).normalize();
