@@ -98,16 +98,33 @@ impl Tree {
 
     /// Visits the triangles whose boxes the ray passes, nearer boxes first. `visit` gets a triangle and how far along the ray
     /// others matter, and returns how far they still do.
-    pub(super) fn along(&self, ray: &Ray, mut visit: impl FnMut(usize, f64) -> f64) {
+    pub(super) fn along(&self, ray: &Ray, visit: impl FnMut(usize, f64) -> f64) {
         let slabs = Slabs { origin: ray.origin.coords, inverse: ray.direction.map(|d| 1.0 / d) };
+        self.walk(|bounds, limit| bounds.entry(&slabs, limit), visit);
+    }
+
+    /// Visits the triangles that may be nearest to a point, nearer boxes first. `visit` returns the squared distance within which
+    /// others still matter.
+    pub(super) fn near(&self, point: &Point3<f64>, mut visit: impl FnMut(usize) -> f64) {
+        let squared = |bounds: &Bounds, _| bounds.squared_distance(&point.coords);
+        self.walk(squared, |triangle, _| visit(triangle));
+    }
+
+    /// Visits the triangles of the boxes that are not farther than a limit, which each visit may lower; nearer boxes first. A box that is
+    /// not met is infinitely far.
+    fn walk(
+        &self,
+        distance: impl Fn(&Bounds, f64) -> f64,
+        mut visit: impl FnMut(usize, f64) -> f64,
+    ) {
         let mut limit = f64::INFINITY;
         let mut waiting = [(0_u32, 0.0_f64); DEEPEST];
         let mut depth = 1;
         while depth > 0 {
             depth -= 1;
-            let (at, entry) = waiting[depth];
+            let (at, from) = waiting[depth];
             let Some(node) = self.nodes.get(at as usize) else { continue };
-            if entry > limit {
+            if from > limit {
                 continue;
             }
             if node.count > 0 {
@@ -118,7 +135,7 @@ impl Tree {
             }
             let mut children = [at + 1, node.first].map(|child| {
                 let bounds = self.nodes.get(child as usize).map(|n| &n.bounds);
-                (child, bounds.map_or(f64::INFINITY, |b| b.entry(&slabs, limit)))
+                (child, bounds.map_or(f64::INFINITY, |b| distance(b, limit)))
             });
             // The nearer one is taken from the stack first.
             if children[0].1 < children[1].1 {
@@ -126,40 +143,6 @@ impl Tree {
             }
             for child in children {
                 if child.1.is_finite() && depth < DEEPEST {
-                    waiting[depth] = child;
-                    depth += 1;
-                }
-            }
-        }
-    }
-
-    /// Visits the triangles that may be nearest to a point. `visit` returns the squared distance within which others still matter.
-    pub(super) fn near(&self, point: &Point3<f64>, mut visit: impl FnMut(usize) -> f64) {
-        let mut limit = f64::INFINITY;
-        let mut waiting = [(0_u32, 0.0_f64); DEEPEST];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let (at, squared) = waiting[depth];
-            let Some(node) = self.nodes.get(at as usize) else { continue };
-            if squared > limit {
-                continue;
-            }
-            if node.count > 0 {
-                for triangle in self.leaf(node) {
-                    limit = visit(*triangle as usize);
-                }
-                continue;
-            }
-            let mut children = [at + 1, node.first].map(|child| {
-                let bounds = self.nodes.get(child as usize).map(|n| &n.bounds);
-                (child, bounds.map_or(f64::INFINITY, |b| b.squared_distance(&point.coords)))
-            });
-            if children[0].1 < children[1].1 {
-                children.swap(0, 1);
-            }
-            for child in children {
-                if depth < DEEPEST {
                     waiting[depth] = child;
                     depth += 1;
                 }
