@@ -175,7 +175,7 @@ fn follows(file: &CameraFile, ends: [[f64; 3]; 2]) -> Vec<Vec<[f64; 2]>> {
     let camera = file.camera().unwrap();
     let ends = ends.map(Point3::from);
     let figure = Figure { name: None, edges: vec![ends], middle: ends[0] };
-    let overlay = Overlay::trace(&[figure], file).unwrap();
+    let overlay = Overlay::trace(&[figure], &file.clone().into()).unwrap();
     let line = |l: &Vec<_>| l.iter().map(|p: &Point2<f64>| [p.x, p.y]).collect();
     let lines: Vec<Vec<[f64; 2]>> = overlay.drawings[0].lines.iter().map(line).collect();
     let (mut worst, mut seen) = (0.0_f64, 0);
@@ -275,7 +275,7 @@ fn a_line_that_leaves_a_fisheyes_picture_comes_back() {
     // An edge that points at the camera is a dot, as other cameras draw it.
     let ends = [[5.0, 0.0, 5.0], [7.0, 0.0, 3.0]].map(Point3::from);
     let figure = Figure { name: None, edges: vec![ends], middle: ends[0] };
-    let overlay = Overlay::trace(&[figure], &file).unwrap();
+    let overlay = Overlay::trace(&[figure], &file.into()).unwrap();
     assert_eq!(overlay.line_count(), 1);
     let p = overlay.drawings[0].lines[0][0];
     // 45° to the right.
@@ -293,4 +293,42 @@ fn lines_over_a_map_end_a_tenth_beyond_it() {
     folder.succeed(&overlay(&["--mesh", "mesh.obj", "-o", "out.svg"]));
     let lines = paths(&folder.text("out.svg")).concat();
     assert_eq!(lines, [[[-40.0, 140.0], [440.0, 140.0]], [[210.0, 140.0], [220.0, 130.0]]]);
+}
+
+/// A panoramic camera that turns about y, c = 100: along X at depth 10 and height 5 it draws y = 150 + 100 · ½ cos of the scan angle.
+#[test]
+fn edges_are_curves_of_a_scanners_picture() {
+    let folder = folder("");
+    let scanner = r#""width": 200, "height": 300,
+        "scan": { "kind": "panoramic", "per_column": 1 },
+        "interior": { "model": "cylindrical", "principal_distance": [100, 100], "principal_point": [100, 150] },
+        "trajectory": { "exterior": { "projection_center": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0] } }"#;
+    folder.write("scanner.json", document("scanner", scanner));
+    folder.draw("strip.png", [200, 300], |_, _| [90, 90, 90]);
+    folder.write("mesh.obj", "v -30 5 10\nv 30 5 10\nl 1 2\n");
+    let run = folder.succeed(&[
+        "overlay",
+        "strip.png",
+        "--camera",
+        "scanner.json",
+        "--mesh",
+        "mesh.obj",
+        "-o",
+        "out.svg",
+    ]);
+    assert!(run.stderr.contains("1 lines drawn"), "{}", run.stderr);
+    let lines = paths(&folder.text("out.svg")).concat();
+    let [line] = &lines[..] else { panic!("{lines:?}") };
+    // An SVG has three digits.
+    let curve = |x: f64| 150.0 + 50.0 * ((x - 100.0) / 100.0).cos();
+    for p in line {
+        assert!((p[1] - curve(p[0])).abs() < 2e-3, "{p:?}");
+    }
+    for pair in line.windows(2) {
+        let middle = [0, 1].map(|i| 0.5 * (pair[0][i] + pair[1][i]));
+        assert!((middle[1] - curve(middle[0])).abs() < 0.1, "{pair:?}");
+    }
+    // The edge ends beyond the scan, which is drawn from its first column to its last.
+    let ends = [line[0][0], line[line.len() - 1][0]];
+    assert!(ends[0].abs() < 1e-3 && (ends[1] - 200.0).abs() < 1e-3, "{ends:?}");
 }

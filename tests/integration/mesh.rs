@@ -284,6 +284,14 @@ fn rays_along_the_axes_in_the_planes_of_faces_and_boxes_do_not_slip_through() {
 }
 
 #[test]
+fn of_triangles_at_one_distance_the_first_is_met() {
+    let corners = [[0.0, 0.0, 5.0], [4.0, 0.0, 5.0], [0.0, 4.0, 5.0]].map(Point3::from).to_vec();
+    let mesh = TriangleMesh::new(corners, vec![[0, 1, 2]; 40]).unwrap();
+    let hit = mesh.first_hit(&Ray::new(Point3::new(1.0, 1.0, 0.0), Vector3::z()).unwrap()).unwrap();
+    assert_eq!((hit.triangle, hit.distance), (0, 5.0));
+}
+
+#[test]
 fn bad_meshes_are_refused_with_numbers() {
     let p = |x: f64| Point3::new(x, 0.0, 1.0);
     let bad = TriangleMesh::new(vec![p(0.0), p(1.0)], vec![[0, 1, 2]]).unwrap_err();

@@ -331,12 +331,31 @@ fn a_dome_is_open_below_its_rim() {
     // A whole sphere is closed, straight opposite too.
     let whole = Dome::new(Point3::origin(), 5.0, axis, std::f64::consts::PI).unwrap();
     assert!(whole.meet_ray(&Ray::new(Point3::origin(), -axis).unwrap()).is_ok());
+    for k in 0..200 {
+        let axis = Vector3::new(f64::from(k).sin(), (2.3 * f64::from(k)).cos(), 0.37);
+        let whole = Dome::new(Point3::origin(), 5.0, axis, std::f64::consts::PI).unwrap();
+        assert!(whole.meet_ray(&Ray::new(Point3::origin(), -axis).unwrap()).is_ok(), "{axis}");
+    }
     let normal = dome.normal(&Point3::new(0.0, 3.0, 4.0)).unwrap();
     assert!((normal.into_inner() - Vector3::new(0.0, 0.6, 0.8)).norm() < 1e-15);
 }
 
 #[test]
 fn normals_of_surfaces_without_a_formula_are_good_to_nine_digits() {
+    /// z = x³, with its height only.
+    #[derive(Debug)]
+    struct Steep;
+    impl Surface for Steep {
+        fn height_above(&self, p: &Point3<f64>) -> f64 {
+            p.z - p.x * p.x * p.x
+        }
+        fn meet_ray(&self, _: &Ray) -> Result<Point3<f64>, ProjectionError> {
+            Err(ProjectionError::MissesSurface)
+        }
+    }
+    let found = Steep.normal(&Point3::new(0.5, 7.0, 0.125)).unwrap().into_inner();
+    assert!((found - Vector3::new(-0.75, 0.0, 1.0).normalize()).norm() < 1e-9, "{found}");
+
     /// z = x²/8 + y/4, with its height only.
     #[derive(Debug)]
     struct Valley;
@@ -348,7 +367,12 @@ fn normals_of_surfaces_without_a_formula_are_good_to_nine_digits() {
             Err(ProjectionError::MissesSurface)
         }
     }
-    for p in [Point3::new(2.0, -3.0, 0.25), Point3::new(-100.0, 800.0, 1450.0)] {
+    let points = [
+        Point3::new(2.0, -3.0, 0.25),
+        Point3::new(-100.0, 800.0, 1450.0),
+        Point3::origin(),
+    ];
+    for p in points {
         let exact = Vector3::new(-p.x / 4.0, -0.25, 1.0).normalize();
         let found = (&Valley as &dyn Surface).normal(&p).unwrap().into_inner();
         assert!((found - exact).norm() < 1e-9, "{found} {exact}");

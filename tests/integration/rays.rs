@@ -4,7 +4,7 @@ use collinear::camera::{
     CentralCamera, ExteriorOrientation, Fisheye, Frame, ImageMotionCompensation,
     InteriorOrientation, Panorama, PolynomialTrajectory, ScanTime, Scanner, SensorModel,
 };
-use collinear::geometry::{HeightCurve, Locus, Plane, Ray};
+use collinear::geometry::{HeightCurve, Locus, Plane, Ray, Surface};
 use collinear::nalgebra::{Matrix2x3, Point2, Point3, Rotation3, Vector3};
 use collinear::resample::{Border, Filter, ImageView, ImageViewMut};
 use collinear::texturer::{
@@ -377,4 +377,22 @@ fn of_a_polygon_that_crosses_itself_the_even_odd_rule_decides() {
     }
     assert_eq!([sees(22.0, 0.5), sees(18.0, -0.5)], [Some(1), Some(1)]);
     assert_eq!([sees(20.5, 2.0), sees(19.5, -2.0)], [None, None]);
+}
+
+#[test]
+fn polygons_are_a_surface() {
+    let bow_tie = [(-3.0, -3.0), (3.0, 3.0), (3.0, -3.0), (-3.0, 3.0)];
+    let bow_tie = bow_tie.map(|(x, y)| Point3::new(x, y, 6.0)).to_vec();
+    let (facets, _) = Facets::new(&[square(9.0, 2.0), square(9.0, 4.0), bow_tie]).unwrap();
+    let surface: &dyn Surface = &facets;
+    let from = |x: f64, y: f64, z: f64, down: f64| {
+        surface.meet_ray(&Ray::new(Point3::new(x, y, z), Vector3::new(0.0, 0.0, down)).unwrap())
+    };
+    assert_eq!(from(2.0, 0.5, 9.0, -1.0), Ok(Point3::new(2.0, 0.5, 6.0)));
+    // Through the open part of the bow tie, and from below.
+    assert_eq!(from(0.5, 2.0, 9.0, -1.0), Ok(Point3::new(0.5, 2.0, 4.0)));
+    assert_eq!(from(0.5, 2.0, 0.0, 1.0), Ok(Point3::new(0.5, 2.0, 2.0)));
+    assert_eq!(from(0.5, 2.0, 5.0, 1.0), Err(ProjectionError::MissesSurface));
+    assert_eq!(surface.normal(&Point3::new(0.0, 0.0, 4.1)).unwrap().z, 1.0);
+    assert!((surface.height_above(&Point3::new(1.0, 1.0, 4.5)) - 0.5).abs() < 1e-15);
 }

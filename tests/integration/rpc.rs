@@ -813,3 +813,27 @@ fn a_frame_camera_meets_a_height_above_the_geoid() {
     assert!(camera.ground(&Point2::new(2000.0, 1500.0), &nowhere).is_err());
     assert!(nowhere.height_above(&Point3::origin()).is_nan());
 }
+
+#[test]
+fn surfaces_of_constant_height_have_their_normals() {
+    // Up at the origin of a local frame, and along the axes of the geocentric one.
+    let up = local().at_height(EllipsoidalHeight(500.0)).unwrap();
+    let normal = up.normal(&Point3::new(0.0, 0.0, 200.0)).unwrap();
+    assert!((normal.into_inner() - Vector3::z()).norm() < 1e-15, "{normal:?}");
+    let level = geocentric().at_height(EllipsoidalHeight(0.0)).unwrap();
+    for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+        let normal = level.normal(&Point3::from(axis * 6_378_137.0)).unwrap();
+        assert!((normal.into_inner() - axis).norm() < 1e-15, "{normal:?}");
+    }
+    // 100 km to the east the normal leans by the distance over the prime vertical's radius, 6 388 476 m at 44.1°.
+    let place = Point3::new(1e5, 0.0, -782.6);
+    let normal = up.normal(&place).unwrap();
+    assert!((normal.x.asin() - 1e5 / 6_388_476.0).abs() < 1e-6, "{}", normal.x);
+    // By differences it is the same to nine digits.
+    let step = 40.0;
+    let slope = |axis: Vector3<f64>| {
+        up.height_above(&(place + axis * step)) - up.height_above(&(place - axis * step))
+    };
+    let gradient = Vector3::new(slope(Vector3::x()), slope(Vector3::y()), slope(Vector3::z()));
+    assert!((gradient.normalize() - normal.into_inner()).norm() < 1e-9);
+}

@@ -122,7 +122,8 @@ pub(crate) fn overlays(site: &Site, faces: &[Face], view: &CameraFile, out: &Pat
         scene(&[], faces.iter().map(polygon).collect(), view.clone(), Interpolation::Perspective);
     let figures = scene_figures(&model);
     for p in &site.photographs {
-        let picture = Overlay::trace(&figures, &p.camera)?.draw_on(&p.picture, 4.0)?;
+        let picture =
+            Overlay::trace(&figures, &p.camera.clone().into())?.draw_on(&p.picture, 4.0)?;
         write_picture(&out.join(format!("overlay_{}.jpg", p.name)), &picture)?;
     }
     Ok(())

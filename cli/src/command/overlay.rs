@@ -9,9 +9,9 @@ use collinear_cli::overlay::{
     Figure, Overlay, Photograph, mesh_figures, plane_figure, scene_figures,
 };
 use collinear_io::Document;
-use collinear_io::camera::CameraFile;
 use collinear_io::picture::{Limits, PictureFormat, decode_picture, write_picture};
 use collinear_io::plane::PlaneFile;
+use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
 use super::{Files, in_file, open_scene, positive, say};
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// The photograph: PNG or JPEG
     photo: PathBuf,
 
-    /// The photograph's camera (JSON)
+    /// The photograph's camera or scanner (JSON)
     #[arg(short, long, value_name = "CAMERA.json")]
     camera: PathBuf,
 
@@ -103,7 +103,7 @@ impl Arguments {
         files.output("the output (-o)", &self.output)?;
         files.input("the photograph", &self.photo)?;
         files.input("the camera", &self.camera)?;
-        let camera = CameraFile::read(&self.camera)?;
+        let camera = SensorFile::read(&self.camera)?;
         let figures = self.figures(&mut files)?;
         let bytes = fs::read(&self.photo)
             .map_err(|e| in_file(&self.photo, anyhow!("cannot be read: {e}")))?;
@@ -113,7 +113,7 @@ impl Arguments {
             .check_picture_size(photograph.width, photograph.height)
             .map_err(|e| in_file(&self.photo, e))?;
         let overlay = Overlay::trace(&figures, &camera).map_err(|e| in_file(&self.camera, e))?;
-        let longer = f64::from(camera.width.max(camera.height));
+        let longer = f64::from(overlay.width.max(overlay.height));
         let width = self.line_width.unwrap_or_else(|| (LINE_WIDTH.0 * longer).max(LINE_WIDTH.1));
         if is_svg(&self.output) {
             let link = self.link_address();

@@ -1,11 +1,11 @@
-//! Edges of the world as curves of a picture, through any model with one projection centre.
+//! Edges of the world as curves of a picture, through any sensor.
 
 use std::f64::consts::PI;
 
-use collinear::camera::CentralModel;
+use std::sync::Arc;
+
+use collinear::camera::{CentralModel, Frame, SensorModel};
 use collinear::nalgebra::{Point2, Point3, Vector3};
-use collinear::{camera::Frame, geometry::Pose};
-use collinear_io::camera::CameraFile;
 use collinear_io::convert::Central;
 
 use super::lines::{MARGIN, STEPS, TOLERANCE, distance};
@@ -30,30 +30,53 @@ const JUMP: f64 = 1.0;
 /// A middle of a piece may lie so far from half way, as a part of the piece.
 const UNEVEN: f64 = 0.25;
 
+/// Visible parts of an edge are looked for at so many places of it where the sensor has no one centre.
+const PLACES: f64 = 256.0;
+
 /// What turns edges into curves.
-///
-/// A camera with one centre sees of an edge its directions alone: an arc of a great circle, which is followed by its angle.
 #[derive(Debug)]
 pub(super) struct Curves {
-    camera: Central,
-    pose: Pose,
+    eye: Eye,
     width: f64,
     height: f64,
-    /// The angle at which visible parts are looked for.
+    /// How far along an edge visible parts are looked for: an angle, or a part of the edge.
     step: f64,
 }
 
-/// An arc: its start, the direction a quarter turn on, and its angle.
-struct Arc {
-    start: Vector3<f64>,
-    quarter: Vector3<f64>,
-    angle: f64,
+/// What sees an edge.
+#[derive(Debug)]
+enum Eye {
+    /// A camera with one centre sees directions alone: an arc of a great circle, which is followed by its angle.
+    Central(Frame<Central>),
+    /// Any other sensor sees points.
+    Sensor(Arc<dyn SensorModel>),
 }
 
-impl Arc {
-    fn at(&self, angle: f64) -> Vector3<f64> {
-        let (sine, cosine) = angle.sin_cos();
-        self.start * cosine + self.quarter * sine
+/// The way from one end of an edge to the other.
+enum Way {
+    /// An arc: its start, the direction a quarter turn on, and its angle.
+    Turn { start: Vector3<f64>, quarter: Vector3<f64>, angle: f64 },
+    /// A straight line, whose length is 1.
+    Straight { start: Vector3<f64>, along: Vector3<f64> },
+}
+
+impl Way {
+    fn length(&self) -> f64 {
+        match self {
+            Self::Turn { angle, .. } => *angle,
+            Self::Straight { .. } => 1.0,
+        }
+    }
+
+    /// A direction in camera axes, or a point of the world.
+    fn at(&self, s: f64) -> Vector3<f64> {
+        match self {
+            Self::Turn { start, quarter, .. } => {
+                let (sine, cosine) = s.sin_cos();
+                start * cosine + quarter * sine
+            }
+            Self::Straight { start, along } => start + along * s,
+        }
     }
 }
 
@@ -81,35 +104,49 @@ impl Pen {
 }
 
 impl Curves {
-    pub(super) fn new(file: &CameraFile, frame: &Frame<Central>) -> Self {
-        let camera = frame.camera.clone();
-        let (width, height) = (f64::from(file.width), f64::from(file.height));
+    /// Of a camera with one centre.
+    pub(super) fn of_central(frame: &Frame<Central>, size: [u32; 2]) -> Self {
+        let camera = &frame.camera;
+        let [width, height] = size.map(f64::from);
         let degree = 1.0_f64.to_radians();
         let step = match camera.direction(&Point2::new(0.5 * width, 0.5 * height)) {
             Ok(middle) => {
                 let angle = |p: Point2<f64>| camera.direction(&p).ok().map(|d| middle.angle(&d));
-                let field = border([file.width, file.height]).filter_map(angle).fold(0.0, f64::max);
+                let field = border(size).filter_map(angle).fold(0.0, f64::max);
                 let part = field * PART_OF_FIELD;
                 if part > 0.0 { part.min(degree) } else { degree }
             }
             Err(_) => degree,
         };
-        Self { camera, pose: *frame.exterior.pose(), width, height, step }
+        Self { eye: Eye::Central(frame.clone()), width, height, step }
+    }
+
+    /// Of any sensor.
+    pub(super) fn of_sensor(sensor: Arc<dyn SensorModel>, size: [u32; 2]) -> Self {
+        let [width, height] = size.map(f64::from);
+        Self { eye: Eye::Sensor(sensor), width, height, step: 1.0 / PLACES }
     }
 
     /// The visible parts of an edge.
     pub(super) fn trace(&self, edge: &[Point3<f64>; 2]) -> Vec<Vec<Point2<f64>>> {
-        let [a, b] = edge.map(|p| self.pose.apply(&p).coords);
+        let ends = match &self.eye {
+            Eye::Central(frame) => edge.map(|p| frame.exterior.pose().apply(&p).coords),
+            Eye::Sensor(_) => edge.map(|p| p.coords),
+        };
         let mut pen = Pen::default();
-        let Some(arc) = arc(&a, &b) else {
+        let way = match &self.eye {
+            Eye::Central(_) => turn(&ends[0], &ends[1]),
+            Eye::Sensor(_) => Some(Way::Straight { start: ends[0], along: ends[1] - ends[0] }),
+        };
+        let Some(way) = way else {
             // It points at the camera: a dot.
-            let ends = [a, b].map(|d| self.image(&d).map(|p| vec![p, p]));
+            let ends = ends.map(|d| self.image(&d).map(|p| vec![p, p]));
             return ends.into_iter().flatten().take(1).collect();
         };
-        let count = (arc.angle / self.step).ceil().clamp(1.0, MOST_PLACES);
+        let count = (way.length() / self.step).ceil().clamp(1.0, MOST_PLACES);
         let place = |i: u32| {
-            let angle = arc.angle * (f64::from(i) / count);
-            (angle, self.image(&arc.at(angle)))
+            let s = way.length() * (f64::from(i) / count);
+            (s, self.image(&way.at(s)))
         };
         let mut last = place(0);
         // Where the pen is, and what is not drawn since.
@@ -119,19 +156,19 @@ impl Curves {
             let next = place(i);
             match (from, last.1, next.1) {
                 (Some((s, p)), _, Some(q)) if i % PIECE == 0 || f64::from(i) >= count => {
-                    self.piece(&arc, [s, next.0], [p, q], DEPTH, &mut pen);
+                    self.piece(&way, [s, next.0], [p, q], DEPTH, &mut pen);
                     from = Some((next.0, q));
                 }
                 (Some((s, p)), Some(seen), None) => {
-                    let (end, q) = self.end(&arc, (last.0, seen), next.0);
-                    self.piece(&arc, [s, end], [p, q], DEPTH, &mut pen);
+                    let (end, q) = self.end(&way, (last.0, seen), next.0);
+                    self.piece(&way, [s, end], [p, q], DEPTH, &mut pen);
                     pen.lift();
                     from = None;
                 }
                 (None, _, Some(q)) => {
-                    let (start, p) = self.end(&arc, (next.0, q), last.0);
+                    let (start, p) = self.end(&way, (next.0, q), last.0);
                     pen.begin(p);
-                    self.piece(&arc, [start, next.0], [p, q], DEPTH, &mut pen);
+                    self.piece(&way, [start, next.0], [p, q], DEPTH, &mut pen);
                     from = Some((next.0, q));
                 }
                 _ => {}
@@ -142,19 +179,23 @@ impl Curves {
         pen.done
     }
 
-    /// The image of a direction, in the picture or its margin.
-    fn image(&self, direction: &Vector3<f64>) -> Option<Point2<f64>> {
-        let p = self.camera.project_direction(direction).ok()?;
+    /// The image of a place of a way, in the picture or its margin.
+    fn image(&self, place: &Vector3<f64>) -> Option<Point2<f64>> {
+        let p = match &self.eye {
+            Eye::Central(frame) => frame.camera.project_direction(place),
+            Eye::Sensor(sensor) => sensor.project(&Point3::from(*place)),
+        }
+        .ok()?;
         let within = |c: f64, size: f64| (-MARGIN * size..=(1.0 + MARGIN) * size).contains(&c);
         (within(p.x, self.width) && within(p.y, self.height)).then_some(p)
     }
 
     /// The last visible place from one that is visible towards one that is not.
-    fn end(&self, arc: &Arc, inside: (f64, Point2<f64>), outside: f64) -> (f64, Point2<f64>) {
+    fn end(&self, way: &Way, inside: (f64, Point2<f64>), outside: f64) -> (f64, Point2<f64>) {
         let (mut inside, mut outside) = (inside, outside);
         for _ in 0..STEPS {
             let middle = 0.5 * (inside.0 + outside);
-            match self.image(&arc.at(middle)) {
+            match self.image(&way.at(middle)) {
                 Some(p) => inside = (middle, p),
                 None => outside = middle,
             }
@@ -165,13 +206,13 @@ impl Curves {
     /// Draws from p, where the pen is, to q.
     fn piece(
         &self,
-        arc: &Arc,
+        way: &Way,
         [s, t]: [f64; 2],
         [p, q]: [Point2<f64>; 2],
         depth: u32,
         pen: &mut Pen,
     ) {
-        let probe = |part: f64| self.image(&arc.at(s + (t - s) * part));
+        let probe = |part: f64| self.image(&way.at(s + (t - s) * part));
         let [early, middle, late] = [0.25, 0.5, 0.75].map(probe);
         if let (Some(early), Some(middle), Some(late)) = (early, middle, late) {
             let length = (q - p).norm();
@@ -189,24 +230,24 @@ impl Curves {
         let half = s + (t - s) * 0.5;
         match middle {
             Some(m) => {
-                self.piece(arc, [s, half], [p, m], depth - 1, pen);
-                self.piece(arc, [half, t], [m, q], depth - 1, pen);
+                self.piece(way, [s, half], [p, m], depth - 1, pen);
+                self.piece(way, [half, t], [m, q], depth - 1, pen);
             }
             None => {
-                let (end, m) = self.end(arc, (s, p), half);
-                self.piece(arc, [s, end], [p, m], depth - 1, pen);
-                let (start, m) = self.end(arc, (t, q), half);
+                let (end, m) = self.end(way, (s, p), half);
+                self.piece(way, [s, end], [p, m], depth - 1, pen);
+                let (start, m) = self.end(way, (t, q), half);
                 pen.begin(m);
-                self.piece(arc, [start, t], [m, q], depth - 1, pen);
+                self.piece(way, [start, t], [m, q], depth - 1, pen);
             }
         }
     }
 }
 
 /// The arc between two directions; none where they lie on one line.
-fn arc(a: &Vector3<f64>, b: &Vector3<f64>) -> Option<Arc> {
+fn turn(a: &Vector3<f64>, b: &Vector3<f64>) -> Option<Way> {
     let (start, end) = (a.try_normalize(0.0)?, b.try_normalize(0.0)?);
     let angle = start.cross(&end).norm().atan2(start.dot(&end));
     let quarter = (end - start * start.dot(&end)).try_normalize(f64::EPSILON)?;
-    (angle < PI).then_some(Arc { start, quarter, angle })
+    (angle < PI).then_some(Way::Turn { start, quarter, angle })
 }

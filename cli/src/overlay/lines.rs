@@ -1,15 +1,18 @@
 //! Edges of the world as lines of a picture.
 
+use std::sync::Arc;
+
 use anyhow::{Result, anyhow};
 use collinear::camera::Distortion;
 use collinear::camera::{CentralModel, SensorModel};
 use collinear::geometry::Pose;
 use collinear::nalgebra::{Point2, Point3, Vector3};
-use collinear_io::camera::CameraFile;
 use collinear_io::convert::Camera;
+use collinear_io::sensor::SensorFile;
 
 use super::Figure;
 use super::curves::Curves;
+use crate::photograph::Photograph;
 use crate::rectify::border;
 
 /// A line may leave its curve by this much, in pixels; half of what is promised, since three places of it are measured.
@@ -33,8 +36,8 @@ pub(super) const STEPS: u32 = 128;
 /// What turns edges into lines.
 #[derive(Debug)]
 pub(super) struct Tracer {
-    camera: Camera,
-    /// Where the camera is neither a perspective with Brown's lens nor parallel.
+    camera: Photograph,
+    /// Where it is neither a perspective with Brown's lens nor parallel.
     curves: Option<Curves>,
     width: f64,
     height: f64,
@@ -44,24 +47,28 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
-    pub(super) fn new(file: &CameraFile, figures: &[Figure]) -> Result<Self> {
-        let camera = file.camera()?;
-        let reach = match &camera {
-            Camera::Pinhole(frame) => reach(file, &frame.camera, f64::INFINITY)?,
-            Camera::Brown(frame) => {
-                reach(file, &frame.camera, frame.camera.distortion().fold_radius())?
+    pub(super) fn new(file: &SensorFile, figures: &[Figure]) -> Result<Self> {
+        let (camera, size) = (Photograph::new(file)?, file.size());
+        let reach = match camera.camera() {
+            Some(Camera::Pinhole(frame)) => reach(size, &frame.camera, f64::INFINITY)?,
+            Some(Camera::Brown(frame)) => {
+                reach(size, &frame.camera, frame.camera.distortion().fold_radius())?
             }
-            Camera::Central(_) | Camera::Orthographic(_) => f64::INFINITY,
+            _ => f64::INFINITY,
         };
         let curves = match &camera {
-            Camera::Central(frame) => Some(Curves::new(file, frame)),
-            _ => None,
+            Photograph::Other(sensor) => Some(Curves::of_sensor(Arc::clone(sensor), size)),
+            Photograph::Camera(camera) => match camera.as_ref() {
+                Camera::Central(frame) => Some(Curves::of_central(frame, size)),
+                _ => None,
+            },
         };
-        let center = Point3::from(file.exterior.projection_center);
+        // Of a camera only: other sensors have no near plane.
+        let center = camera.eye(size).unwrap_or_else(Point3::origin);
         let distance = |p: &Point3<f64>| (p - center).norm();
         let farthest =
             figures.iter().flat_map(|f| f.edges.iter().flatten()).map(distance).fold(0.0, f64::max);
-        let (width, height) = (f64::from(file.width), f64::from(file.height));
+        let [width, height] = size.map(f64::from);
         Ok(Self { camera, curves, width, height, reach, near: NEAR * farthest })
     }
 
@@ -82,7 +89,7 @@ impl Tracer {
 
     /// The visible part of an edge, of which there is no more than one.
     fn trace_one(&self, edge: &[Point3<f64>; 2]) -> Option<Vec<Point2<f64>>> {
-        match &self.camera {
+        match self.camera.camera()? {
             Camera::Pinhole(frame) => {
                 let [a, b] = self.ideal(frame.exterior.pose(), edge)?;
                 Some(vec![image(&frame.camera, &a)?, image(&frame.camera, &b)?])
@@ -137,9 +144,9 @@ impl Tracer {
 }
 
 /// The tangent of the cone that holds the picture and its margin, within the fold.
-fn reach(file: &CameraFile, camera: &dyn CentralModel, fold: f64) -> Result<f64> {
+fn reach(size: [u32; 2], camera: &dyn CentralModel, fold: f64) -> Result<f64> {
     let mut largest = 0.0_f64;
-    for p in border([file.width, file.height]) {
+    for p in border(size) {
         // No ideal point has this image: the picture reaches beyond the fold.
         let Ok(d) = camera.direction(&p) else { return Ok(fold * (1.0 - BEFORE_FOLD)) };
         largest = largest.max(d.xy().norm() / d.z);

@@ -10,9 +10,9 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use collinear::nalgebra::{Point2, Point3};
-use collinear_io::camera::CameraFile;
 use collinear_io::plane::PlaneFile;
 use collinear_io::scene::SceneFile;
+use collinear_io::sensor::SensorFile;
 
 use crate::obj::{self, Element, Object};
 
@@ -139,12 +139,12 @@ pub struct Drawing {
 }
 
 impl Overlay {
-    /// Traces figures through a camera: each edge once, cut off where it leaves the lens's domain or the picture's
+    /// Traces figures through a camera or another sensor: each edge once, cut off where it leaves the lens's domain or the picture's
     /// surroundings, bent as the lens bends it to within a tenth of a pixel. Nothing hides anything.
     ///
     /// # Errors
     /// A camera out of its domain.
-    pub fn trace(figures: &[Figure], camera: &CameraFile) -> Result<Self> {
+    pub fn trace(figures: &[Figure], camera: &SensorFile) -> Result<Self> {
         let tracer = Tracer::new(camera, figures)?;
         let mut seen = HashSet::new();
         let mut drawings = Vec::with_capacity(figures.len());
@@ -158,7 +158,8 @@ impl Overlay {
             let label = tracer.point(&figure.middle);
             drawings.push(Drawing { name: figure.name.clone(), color: *color, lines, label });
         }
-        Ok(Self { width: camera.width, height: camera.height, drawings })
+        let [width, height] = camera.size();
+        Ok(Self { width, height, drawings })
     }
 
     /// Lines: visible edges, those of a curved picture perhaps in several parts.
