@@ -64,7 +64,7 @@ pub trait Surface: core::fmt::Debug + Send + Sync {
     /// The normal at a point of the surface, of unit length, pointing above it.
     ///
     /// By default the gradient of [`height_above`](Self::height_above) by central differences over 6·10⁻⁶ of the largest
-    /// coordinate (at least 6·10⁻⁶ units): to nine digits where the surface is smooth over that length. Planes, spheres, domes,
+    /// coordinate (at least 6·10⁻⁶ units): to eight digits where the surface is smooth over that length. Planes, spheres, domes,
     /// meshes and ellipsoids have theirs in closed form.
     ///
     /// # Errors

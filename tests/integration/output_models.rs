@@ -341,7 +341,7 @@ fn a_dome_is_open_below_its_rim() {
 }
 
 #[test]
-fn normals_of_surfaces_without_a_formula_are_good_to_nine_digits() {
+fn normals_of_surfaces_without_a_formula_are_good_to_eight_digits() {
     /// z = x³, with its height only.
     #[derive(Debug)]
     struct Steep;
@@ -354,7 +354,7 @@ fn normals_of_surfaces_without_a_formula_are_good_to_nine_digits() {
         }
     }
     let found = Steep.normal(&Point3::new(0.5, 7.0, 0.125)).unwrap().into_inner();
-    assert!((found - Vector3::new(-0.75, 0.0, 1.0).normalize()).norm() < 1e-9, "{found}");
+    assert!((found - Vector3::new(-0.75, 0.0, 1.0).normalize()).norm() < 1e-8, "{found}");
 
     /// z = x²/8 + y/4, with its height only.
     #[derive(Debug)]
@@ -367,15 +367,12 @@ fn normals_of_surfaces_without_a_formula_are_good_to_nine_digits() {
             Err(ProjectionError::MissesSurface)
         }
     }
-    let points = [
-        Point3::new(2.0, -3.0, 0.25),
-        Point3::new(-100.0, 800.0, 1450.0),
-        Point3::origin(),
-    ];
+    let points =
+        [Point3::new(2.0, -3.0, 0.25), Point3::new(-100.0, 800.0, 1450.0), Point3::origin()];
     for p in points {
         let exact = Vector3::new(-p.x / 4.0, -0.25, 1.0).normalize();
         let found = (&Valley as &dyn Surface).normal(&p).unwrap().into_inner();
-        assert!((found - exact).norm() < 1e-9, "{found} {exact}");
+        assert!((found - exact).norm() < 1e-8, "{found} {exact}");
     }
     assert_eq!(Valley.normal(&Point3::new(f64::NAN, 0.0, 0.0)), Err(ProjectionError::NotFinite));
 }
