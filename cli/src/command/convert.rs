@@ -148,6 +148,9 @@ enum Format {
     Wgpu,
 }
 
+/// A fit that is farther off than this between its nodes, in pixels, is worth a warning.
+const LARGE_RESIDUAL: f64 = 0.1;
+
 /// What a format is a format of.
 enum Output {
     /// Of photographs' cameras.
@@ -306,6 +309,13 @@ impl Arguments {
             report.check.points,
             brief(&report.check)
         ));
+        if report.check.max > LARGE_RESIDUAL {
+            say(&format!(
+                "warning: {}: between the nodes the fit is off by up to {:.2} px: polynomials do not suit this camera or these heights",
+                self.output.display(),
+                report.check.max
+            ));
+        }
         Ok(file)
     }
 
