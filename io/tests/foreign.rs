@@ -10,7 +10,8 @@ use collinear_io::bundler::Bundle;
 use collinear_io::camera::CameraFile;
 use collinear_io::colmap::{Encoding, Reconstruction};
 use collinear_io::gpu::GpuCamera;
-use collinear_io::{Document, opencv, photographs};
+use collinear_io::opencv::Form;
+use collinear_io::{Document, opencv, photographs, pix4d};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -154,7 +155,7 @@ fn opencvs_calibrations_project_as_opencv_does() {
         assert_eq!(cameras.len(), 2);
         for ((view, camera), images) in cameras.iter().zip(views.as_array().unwrap()) {
             // Written by us in every form, and read again, too.
-            let forms = [opencv::Form::Yaml, opencv::Form::Json, opencv::Form::Xml];
+            let forms = [Form::Yaml, Form::Json, Form::Xml];
             let written = forms.map(|form| {
                 let text = opencv::to_text(camera, form).unwrap();
                 photographs::parse(&text, None).unwrap().remove(0).1
@@ -351,11 +352,11 @@ fn a_camera_that_a_program_does_not_have_is_refused() {
     let colmap = |c: &CameraFile| Reconstruction::from_photographs(&[("p".into(), c.clone())]);
     let tilted = camera(r#""model": "rational", "tau": [0.1, 0]"#);
     assert!(colmap(&tilted).unwrap_err().to_string().contains("p.interior.model: is `rational`"));
-    assert!(opencv::to_text(&tilted, opencv::Form::Yaml).is_ok());
+    assert!(opencv::to_text(&tilted, Form::Yaml).is_ok());
     let sphere = camera(r#""model": "double_sphere", "xi": 0.1, "alpha": 0.5"#);
     for error in [
         colmap(&sphere).unwrap_err(),
-        opencv::to_text(&sphere, opencv::Form::Json).unwrap_err(),
+        opencv::to_text(&sphere, Form::Json).unwrap_err(),
         GpuCamera::new(&sphere, ClipConvention::OpenGl, 0.1, None).unwrap_err(),
     ] {
         assert!(error.to_string().contains("interior.model: is `double_sphere`"), "{error}");
@@ -368,11 +369,11 @@ fn a_camera_that_a_program_does_not_have_is_refused() {
     // OpenCV 5.0.0, projectPoints of (0.31, -0.22, 1) with 200 at the skew's place: as with 0 there.
     let fisheye = camera(r#""model": "fisheye", "skew": 2"#);
     for camera in [&skewed, &fisheye] {
-        let error = opencv::to_text(camera, opencv::Form::Yaml).unwrap_err().to_string();
+        let error = opencv::to_text(camera, Form::Yaml).unwrap_err().to_string();
         assert!(error.contains("interior.skew: is `2`: OpenCV has no skew"), "{error}");
     }
     let omnidir = camera(r#""model": "unified", "xi": 0.9, "skew": 2"#);
-    let text = opencv::to_text(&omnidir, opencv::Form::Yaml).unwrap();
+    let text = opencv::to_text(&omnidir, Form::Yaml).unwrap();
     assert!(text.contains("data: [ 500.0, 2.0, 319.5,"), "{text}");
     let pinhole = camera(r#""model": "pinhole""#);
     assert!(GpuCamera::new(&pinhole, ClipConvention::Wgpu, 0.0, None).is_err());
@@ -438,4 +439,46 @@ proptest! {
             let _ = Reconstruction::parse_binary(&0u64.to_le_bytes(), &0u64.to_le_bytes(), &bytes);
         }
     }
+}
+
+/// Terms that are zero are no reason to refuse a camera: by hand, r² = 0.05 at (0.2, −0.1), radial 1 − 0.1 · 0.05 + 0.02 · 0.0025 = 0.99505,
+/// 2 · 1e-3 · x y = −4e-5 and −5e-4 (r² + 2 x²) = −6.5e-5 in x, 1e-3 (r² + 2 y²) = 7e-5 and 2 · −5e-4 · x y = 2e-5 in y.
+#[test]
+fn lenses_whose_other_terms_are_zero_are_browns() {
+    let exterior =
+        r#""exterior": { "projection_center": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0] }"#;
+    let file = |lens: &str| {
+        let start = r#""collinear": "camera", "version": 1, "width": 1000, "height": 800"#;
+        let interior = r#""principal_distance": [1000, 1000], "principal_point": [500, 400]"#;
+        let text = format!("{{ {start}, \"interior\": {{ {lens}, {interior} }}, {exterior} }}");
+        vec![("a".to_owned(), CameraFile::parse(&text).unwrap())]
+    };
+    let image = Point2::new(
+        500.0 + 1000.0 * (0.2 * 0.99505 - 4e-5 - 6.5e-5),
+        400.0 + 1000.0 * (-0.1 * 0.99505 + 7e-5 + 2e-5),
+    );
+    for lens in [
+        r#""model": "metashape", "k": [-0.1, 0.02, 0, 0], "p": [-5e-4, 1e-3, 0, 0]"#,
+        r#""model": "rational", "k": [-0.1, 0.02, 0, 0, 0, 0], "p": [1e-3, -5e-4]"#,
+    ] {
+        let written = pix4d::to_text(&file(lens)).unwrap();
+        let (_, camera) = pix4d::parse(&written).unwrap().remove(0);
+        let found = camera.camera().unwrap().sensor().project(&Point3::new(0.2, -0.1, 1.0));
+        assert!((found.unwrap() - image).norm() < 1e-9, "{lens}");
+    }
+    // A fisheye's too: r = θ (1 + 0.03 θ²).
+    for lens in [
+        r#""model": "thin_prism_fisheye", "k": [0.03, 0, 0, 0], "p": [0, 0], "s": [0, 0]"#,
+        r#""model": "fisheye624", "k": [0.03, 0, 0, 0, 0, 0], "p": [0, 0], "s": [0, 0, 0, 0]"#,
+    ] {
+        let written = opencv::to_text(&file(lens)[0].1, Form::Yaml).unwrap();
+        let (_, camera) = opencv::parse(&written).unwrap().remove(0);
+        let found = camera.camera().unwrap().sensor().project(&Point3::new(1.0, 0.0, 1.0)).unwrap();
+        let angle = std::f64::consts::FRAC_PI_4;
+        let exact = Point2::new(500.0 + 1000.0 * angle * (1.0 + 0.03 * angle * angle), 400.0);
+        assert!((found - exact).norm() < 1e-9, "{lens}: {found}");
+    }
+    // And a lens that does nothing is a matrix.
+    let none = file(r#""model": "brown", "k": [0, 0, 0], "p": [0, 0]"#);
+    assert!(GpuCamera::new(&none[0].1, ClipConvention::Vulkan, 0.1, None).is_ok());
 }
