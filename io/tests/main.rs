@@ -16,6 +16,7 @@ mod metashape;
 mod nerf;
 mod opensfm;
 mod opensfm_types;
+mod orders;
 mod orientation;
 mod pictures;
 mod pix4d;

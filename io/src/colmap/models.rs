@@ -132,7 +132,11 @@ impl Camera {
             let parameters = [&f[..], &c[..], rest].concat();
             Ok(Self { model, width: file.width, height: file.height, parameters })
         };
-        match &file.interior {
+        let interior = match &file.interior {
+            named @ Interior::Colmap { .. } => named.clone(),
+            other => other.plain([file.width, file.height]),
+        };
+        match &interior {
             Interior::Colmap { model, parameters } => match model_name(model) {
                 Some(model) => Ok(Self {
                     model,
