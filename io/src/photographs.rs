@@ -150,5 +150,9 @@ fn finished(
             camera.check().map_err(|e| e.under(name))?;
         }
     }
+    // What is read can be used: numbers that no model takes are refused here, and not when a point is asked for.
+    for (name, camera) in &photographs {
+        camera.camera().map_err(|e| e.named_by(name.clone()))?;
+    }
     Ok(photographs)
 }

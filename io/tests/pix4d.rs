@@ -258,7 +258,8 @@ proptest! {
             if cut { bytes.truncate(at); } else { bytes[at] = byte; }
             let text = String::from_utf8_lossy(&bytes);
             for (name, camera) in photographs::parse(&text, Some([4608, 3456])).unwrap_or_default() {
-                prop_assert!(camera.camera().is_ok(), "{name}");
+                let built = camera.camera();
+                prop_assert!(built.is_ok(), "{name}: {built:?} of {camera:?}");
             }
         }
     }
