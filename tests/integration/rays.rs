@@ -378,3 +378,51 @@ fn of_a_polygon_that_crosses_itself_the_even_odd_rule_decides() {
     assert_eq!([sees(22.0, 0.5), sees(18.0, -0.5)], [Some(1), Some(1)]);
     assert_eq!([sees(20.5, 2.0), sees(19.5, -2.0)], [None, None]);
 }
+
+/// A polygon in the plane y = 5 of corners (x, z), and which of these points of it are met from the origin.
+fn met(corners: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<bool> {
+    let world: Vec<Point3<f64>> = corners.iter().map(|[x, z]| Point3::new(*x, 5.0, *z)).collect();
+    let (facets, refused) = Facets::new(&[world]).unwrap();
+    assert!(refused.is_empty(), "{refused:?}");
+    let at = |[x, z]: &[f64; 2]| {
+        let ray = Ray::new(Point3::origin(), Vector3::new(*x, 5.0, *z)).unwrap();
+        facets.first(&Locus::Ray(ray), |_| true).is_some()
+    };
+    points.iter().map(at).collect()
+}
+
+#[test]
+fn polygons_of_a_hundred_thousand_vertices_are_cut_in_seconds() {
+    let started = std::time::Instant::now();
+    let polar = |r: f64, angle: f64| [r * angle.cos(), r * angle.sin()];
+    let turn = std::f64::consts::TAU;
+    let n = 100_000;
+    let part = |k: usize| turn * k as f64 / n as f64;
+    // A circle; a wheel of 50 000 teeth from 1 to 2.
+    let circle: Vec<_> = (0..n).map(|k| polar(2.0, part(k))).collect();
+    let points = [polar(0.0, 0.0), polar(1.999, 1.0), polar(2.001, 1.0)];
+    assert_eq!(met(&circle, &points), [true, true, false]);
+    let wheel: Vec<_> = (0..n).map(|k| polar(1.0 + (k % 2) as f64, part(k))).collect();
+    // On the axis of a tooth and of a gap.
+    let points = [polar(0.99, 1.0), polar(1.9, part(33_331)), polar(1.9, part(33_332))];
+    assert_eq!(met(&wheel, &points), [true, true, false]);
+    // A band half as wide as the spiral's turns are apart: r − 1 − angle/turn is from 0 to ½, or to as much above a whole number.
+    let winding = |k: usize| 20.0 * turn * k as f64 / (n / 2) as f64;
+    let outer = (0..n / 2).map(|k| polar(1.5 + winding(k) / turn, winding(k)));
+    let inner = (0..n / 2).rev().map(|k| polar(1.0 + winding(k) / turn, winding(k)));
+    let spiral: Vec<_> = outer.chain(inner).collect();
+    let points: Vec<_> =
+        (0..200).map(|k| polar(3.0 + 0.05 * f64::from(k) + 0.003, 2.39 * f64::from(k))).collect();
+    let expected: Vec<bool> = points
+        .iter()
+        .map(|[x, z]| (x.hypot(*z) - 1.0 - z.atan2(*x) / turn).rem_euclid(1.0) < 0.5)
+        .collect();
+    assert_eq!(met(&spiral, &points), expected);
+    // A comb: below the tip of a tooth, and above the bottom of a gap.
+    let tooth = |k: usize| [k as f64 / n as f64, if k % 2 == 0 { 0.0 } else { 1.0 }];
+    let mut comb: Vec<_> = (0..n).map(tooth).collect();
+    comb.extend([[1.0, -1.0], [0.0, -1.0]]);
+    let points = [[0.500_01, -0.5], [0.500_01, 0.999], [0.500_02, 0.001], [-0.001, 0.5]];
+    assert_eq!(met(&comb, &points), [true, true, false, false]);
+    assert!(started.elapsed().as_secs() < 30, "{:?}", started.elapsed());
+}
