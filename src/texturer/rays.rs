@@ -1,5 +1,6 @@
 //! Polygons as any sensor sees them, by the line of sight of each pixel.
 
+use alloc::collections::BTreeSet;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
@@ -105,6 +106,10 @@ pub struct Sight {
 /// The chords that a curve is followed along.
 const CHORDS: u32 = 64;
 
+/// Polygons that are passed one by one; the others on the ray are then taken all at once, so that many of them cost no more for being
+/// many.
+const ONE_BY_ONE: usize = 8;
+
 /// Pixels across a polygon when it is cut into triangles.
 const ACROSS: f64 = 262_144.0;
 
@@ -187,7 +192,7 @@ impl Facets {
     ) -> Option<Sight> {
         // What was not wanted comes no more: a line of sight meets a polygon once.
         let mut passed: Vec<u32> = Vec::new();
-        loop {
+        while passed.len() < ONE_BY_ONE {
             let mut first: Option<((f32, u32), f64)> = None;
             self.mesh.visit_hits(ray, |hit| {
                 let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
@@ -203,18 +208,39 @@ impl Facets {
                 first.map_or(reach, |((distance, _), _)| f64::from(distance.next_up()))
             });
             let ((_, polygon), distance) = first?;
-            let plane = self.plane(polygon as usize)?;
-            let sight = Sight {
-                polygon: polygon as usize,
-                point: ray.at(distance),
-                distance,
-                from_front: plane.normal().dot(&ray.direction) < 0.0,
-            };
+            let sight = self.sight(ray, polygon, distance)?;
             if wanted(&sight) {
                 return Some(sight);
             }
             passed.push(polygon);
         }
+        let mut others: Vec<(f32, u32, f64)> = Vec::new();
+        self.mesh.visit_hits(ray, |hit| {
+            let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
+            if hit.distance <= reach && self.is_inside(polygon, &ray.at(hit.distance)) {
+                others.push((hit.distance as f32, polygon, hit.distance));
+            }
+            reach
+        });
+        others.sort_unstable_by(|a, b| {
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
+        });
+        let mut passed: BTreeSet<u32> = passed.into_iter().collect();
+        others.into_iter().filter(|(_, polygon, _)| passed.insert(*polygon)).find_map(
+            |(_, polygon, distance)| {
+                self.sight(ray, polygon, distance).filter(|sight| wanted(sight))
+            },
+        )
+    }
+
+    fn sight(&self, ray: &Ray, polygon: u32, distance: f64) -> Option<Sight> {
+        let plane = self.plane(polygon as usize)?;
+        Some(Sight {
+            polygon: polygon as usize,
+            point: ray.at(distance),
+            distance,
+            from_front: plane.normal().dot(&ray.direction) < 0.0,
+        })
     }
 
     /// The first along a curve from its top: chord by chord, then on the curve itself.

@@ -419,10 +419,36 @@ fn polygons_of_a_hundred_thousand_vertices_are_cut_in_seconds() {
         .collect();
     assert_eq!(met(&spiral, &points), expected);
     // A comb: below the tip of a tooth, and above the bottom of a gap.
-    let tooth = |k: usize| [k as f64 / n as f64, if k % 2 == 0 { 0.0 } else { 1.0 }];
+    let tooth = |k: usize| [k as f64 / n as f64, (k % 2) as f64];
     let mut comb: Vec<_> = (0..n).map(tooth).collect();
     comb.extend([[1.0, -1.0], [0.0, -1.0]]);
     let points = [[0.500_01, -0.5], [0.500_01, 0.999], [0.500_02, 0.001], [-0.001, 0.5]];
     assert_eq!(met(&comb, &points), [true, true, false, false]);
     assert!(started.elapsed().as_secs() < 30, "{:?}", started.elapsed());
+}
+
+#[test]
+fn a_thousand_polygons_that_show_nothing_are_passed_in_seconds() {
+    // Walls at 1, 2, 3, …, 3000, each of two triangles, the ray through both.
+    let wall = |k: usize| {
+        let y = 1.0 + k as f64;
+        [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, z)| Point3::new(x, y, z))
+    };
+    let walls: Vec<_> = (0..3000).map(wall).collect();
+    let (facets, _) = Facets::new(&walls).unwrap();
+    let ray = Ray::new(Point3::origin(), Vector3::y()).unwrap();
+    let started = std::time::Instant::now();
+    for last in [0, 7, 8, 9, 2999] {
+        let mut asked = Vec::new();
+        let sight = facets.first(&Locus::Ray(ray), |sight| {
+            asked.push(sight.polygon);
+            sight.polygon == last
+        });
+        assert_eq!(asked, (0..=last).collect::<Vec<_>>());
+        assert_eq!(sight.map(|s| s.point), Some(Point3::new(0.0, 1.0 + last as f64, 0.0)));
+    }
+    for _ in 0..100 {
+        assert_eq!(facets.first(&Locus::Ray(ray), |_| false), None);
+    }
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }
