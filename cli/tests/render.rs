@@ -372,3 +372,16 @@ fn a_photograph_may_be_a_scanners() {
         assert_eq!(pixel(&picture, x, y), label(19 - y, x), "({x}, {y})");
     }
 }
+
+#[test]
+fn a_view_of_polygons_that_are_all_none_says_why_of_each() {
+    let folder = Folder::new();
+    let view = r#""width": 20, "height": 20,
+        "interior": { "model": "fisheye", "principal_distance": [9, 9], "principal_point": [10, 10] },
+        "exterior": { "projection_center": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0] }"#;
+    let line = r#"{ "vertices": [[0, 0, 5], [1, 0, 5], [2, 0, 5]], "color": [9, 9, 9] }"#;
+    folder.write("scene.json", scene("", line, view, ""));
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let expected = "polygons[0]: its vertices lie on one line; it is left out";
+    assert!(run.stderr.contains(expected), "{}", run.stderr);
+}

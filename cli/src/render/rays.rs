@@ -13,7 +13,7 @@ use collinear::texturer::{
 };
 use collinear_io::scene::{Fill, Polygon};
 
-use super::{Remark, Report, Sources, no_plane, text};
+use super::{Remark, Report, Sources, no_plane, plane_of, text};
 
 /// Rows drawn by each thread between two reports of progress.
 const BAND: usize = 16;
@@ -57,7 +57,10 @@ impl Cast<'_> {
         };
         for (index, polygon) in polygons.iter().enumerate() {
             let reason = match (none.iter().find(|n| n.0 == index), &coordinates[index]) {
-                (Some((_, error)), _) => no_plane(*error),
+                // Where all are none, each by its own plane.
+                (Some((_, error)), _) => {
+                    plane_of(&worlds[index]).err().unwrap_or_else(|| no_plane(*error))
+                }
                 (None, Err(reason)) => reason.clone(),
                 (None, Ok(_)) => continue,
             };
