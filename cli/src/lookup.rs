@@ -1,7 +1,9 @@
 //! A picture drawn by looking up each of its pixels in another.
 
+use std::num::NonZero;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use anyhow::{Error, Result, anyhow, bail};
 use collinear::ProjectionError;
@@ -133,37 +135,90 @@ impl Job<'_> {
         let (w, h) = (self.photograph.width as usize, self.photograph.height as usize);
         let source = ImageView::<u8, C>::new(&self.photograph.data, w, h)?;
         let mut data = vec![0; width * height * channels];
-        let mut found = vec![0; width * height.min(BAND) * C];
-        let mut seen = 0;
+        let threads = thread::available_parallelism().map_or(1, NonZero::get);
+        let mut bands: Vec<(usize, &mut [u8])> =
+            data.chunks_mut(width * channels * BAND).enumerate().collect();
+        let (mut seen, mut done) = (0, 0);
         (self.progress)(0, height);
-        for (i, rows) in data.chunks_mut(width * channels * BAND).enumerate() {
-            let first = i * BAND;
-            let count = rows.len() / (width * channels);
-            let found = found.get_mut(..width * count * C).unwrap_or_default();
-            let inside = Mutex::new(vec![false; width * count]);
-            let size = [self.photograph.width, self.photograph.height];
-            let band = Band { map, first: first as i32, width, size, inside };
-            for (target, border) in self.passes::<C>() {
-                found.fill(0);
-                let mut view = ImageViewMut::<u8, C>::new(found, width, count)?;
-                warp(source, &band, self.filter, border, &mut view);
-                match target.len() {
-                    3 => copy_samples::<3, C>(rows, channels, target.start, found),
-                    _ => copy_samples::<1, C>(rows, channels, target.start, found),
+        for some in bands.chunks_mut(threads) {
+            done += some.iter().map(|(_, rows)| rows.len() / (width * channels)).sum::<usize>();
+            let passes = self.shared();
+            let counts: Vec<Result<u64>> = thread::scope(|scope| {
+                let mut drawn = Vec::with_capacity(threads);
+                for (i, rows) in some.iter_mut() {
+                    let first = *i * BAND;
+                    drawn.push(scope.spawn(move || passes.band(map, source, first, rows)));
                 }
+                let lost = |_| Err(anyhow!("a part of the picture was not drawn"));
+                drawn.into_iter().map(|d| d.join().unwrap_or_else(lost)).collect()
+            });
+            for count in counts {
+                seen += count?;
             }
-            let inside = band.inside.into_inner().unwrap_or_else(PoisonError::into_inner);
-            seen += inside.iter().filter(|i| **i).count() as u64;
-            if self.opacity {
-                for (new, inside) in rows.chunks_exact_mut(channels).zip(inside) {
-                    if let Some(last) = new.last_mut().filter(|_| inside) {
-                        *last = u8::MAX;
-                    }
-                }
-            }
-            (self.progress)(first + count, height);
+            (self.progress)(done, height);
         }
         Ok((data, seen))
+    }
+
+    /// What the threads share.
+    fn shared(&self) -> Passes {
+        Passes {
+            width: self.lookup.width as usize,
+            channels: self.channels(),
+            colors: self.colors,
+            opacity: self.opacity,
+            filter: self.filter,
+            border: self.border,
+        }
+    }
+}
+
+/// How the rows of a band are drawn.
+#[derive(Clone, Copy)]
+struct Passes {
+    width: usize,
+    /// Samples of a new pixel, with its opacity.
+    channels: usize,
+    colors: usize,
+    opacity: bool,
+    filter: Filter,
+    border: Border,
+}
+
+impl Passes {
+    /// Draws the rows from `first` on, and counts their pixels that lie in the photograph.
+    fn band<const C: usize>(
+        self,
+        map: &dyn Map,
+        source: ImageView<'_, u8, C>,
+        first: usize,
+        rows: &mut [u8],
+    ) -> Result<u64> {
+        let Self { width, channels, .. } = self;
+        let count = rows.len() / (width * channels);
+        let mut found = vec![0; width * count * C];
+        let inside = Mutex::new(vec![false; width * count]);
+        let size = [source.width() as u32, source.height() as u32];
+        let band = Band { map, first: first as i32, width, size, inside };
+        for (target, border) in self.passes::<C>() {
+            found.fill(0);
+            let mut view = ImageViewMut::<u8, C>::new(&mut found, width, count)?;
+            warp(source, &band, self.filter, border, &mut view);
+            match target.len() {
+                3 => copy_samples::<3, C>(rows, channels, target.start, &found),
+                _ => copy_samples::<1, C>(rows, channels, target.start, &found),
+            }
+        }
+        let inside = band.inside.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let seen = inside.iter().filter(|i| **i).count() as u64;
+        if self.opacity {
+            for (new, inside) in rows.chunks_exact_mut(channels).zip(inside) {
+                if let Some(last) = new.last_mut().filter(|_| inside) {
+                    *last = u8::MAX;
+                }
+            }
+        }
+        Ok(seen)
     }
 
     /// The new samples that each lookup fills, and its border. A grey photograph before a border with a colour is looked up

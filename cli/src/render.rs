@@ -149,7 +149,8 @@ pub fn render_scene(
         }
         None => {
             let sensor = taken.sensor();
-            let cast = rays::Cast { sources: &sources, sensor, near, filter, facing };
+            let size = [width, height];
+            let cast = rays::Cast { sources: &sources, sensor, size, near, filter, facing };
             cast.polygons(&scene.polygons, &mut data, columns, &mut step)?
         }
     };

@@ -47,7 +47,12 @@ pub fn read_mesh(path: &Path) -> Result<(Scene, usize)> {
         .collect();
     let name = path.display();
     ensure!(!faces.is_empty(), "{name}: there are no faces (`f` of a Wavefront OBJ file) in it");
-    let (facets, refused) = Facets::new(&faces).map_err(|e| anyhow!("{name}: {e}"))?;
+    let (facets, refused) = Facets::new(&faces).map_err(|e| match e {
+        collinear::Error::TooFewPoints { .. } => {
+            anyhow!("{name}: none of its {} faces has an area", faces.len())
+        }
+        other => anyhow!("{name}: {other}"),
+    })?;
     Ok((Scene::Mesh(Arc::new(facets)), refused.len()))
 }
 

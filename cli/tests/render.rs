@@ -322,6 +322,11 @@ fn a_view_may_be_a_fisheye_a_panorama_or_a_scanner() {
     let red = |x: u32, y: u32| pixel(&picture, x, y) == [200, 0, 0];
     // North, at column 180, the edge is 45° down; to the north-east 90° − 54.7° = 35.3°.
     assert!(red(180, 135) && !red(180, 134) && red(225, 126) && !red(225, 124));
+    // A polygon before the near distance is told.
+    folder.write("near.json", scene("", &square(10.0, 0.0, RED), &fisheye, r#", "near": 30"#));
+    let run = folder.succeed(&["render", "near.json", "-o", "near.png"]);
+    let told = "polygons[0]: lies up to a distance of 17.3205, nearer than `near`, 30";
+    assert!(run.stderr.contains(told), "{}", run.stderr);
     // Straight down on every column.
     assert!((0..360).all(|x| red(x, 179)));
 
@@ -371,4 +376,17 @@ fn a_photograph_may_be_a_scanners() {
         // The view's pixel is at X = 0.1 (x − 9.5), Y = −0.1 (y − 9.5): line x, pixel 19 − y.
         assert_eq!(pixel(&picture, x, y), label(19 - y, x), "({x}, {y})");
     }
+}
+
+#[test]
+fn a_view_of_polygons_that_are_all_none_says_why_of_each() {
+    let folder = Folder::new();
+    let view = r#""width": 20, "height": 20,
+        "interior": { "model": "fisheye", "principal_distance": [9, 9], "principal_point": [10, 10] },
+        "exterior": { "projection_center": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0] }"#;
+    let line = r#"{ "vertices": [[0, 0, 5], [1, 0, 5], [2, 0, 5]], "color": [9, 9, 9] }"#;
+    folder.write("scene.json", scene("", line, view, ""));
+    let run = folder.succeed(&["render", "scene.json", "-o", "view.png"]);
+    let expected = "polygons[0]: its vertices lie on one line; it is left out";
+    assert!(run.stderr.contains(expected), "{}", run.stderr);
 }

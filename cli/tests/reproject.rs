@@ -102,6 +102,11 @@ fn a_projector_shows_what_the_eye_is_to_see_on_the_dome() {
             assert_eq!(found[3], 0, "({x}, {y})");
         }
     }
+    folder.write("line.obj", "v 0 0 -8\nv 1 0 -8\nv 2 0 -8\nf 1 2 3\nf 3 2 1\n");
+    (command[6], command[7]) = ("--mesh", "line.obj");
+    let run = folder.run(&command);
+    let expected = "line.obj: none of its 2 faces has an area";
+    assert!(run.code == 1 && run.stderr.contains(expected), "{}", run.stderr);
     // A box of faces instead of the dome: its lower side at −8 is met at s = 14 all over, so that 14/8 of the offset is seen.
     let mut cube = String::new();
     for (x, y, z) in [(-20, -20, -8), (20, -20, -8), (20, 20, -8), (-20, 20, -8)] {

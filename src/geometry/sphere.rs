@@ -86,14 +86,21 @@ impl Sphere {
         Some([larger.min(smaller), larger.max(smaller)])
     }
 
-    /// The first point in front of the ray's origin, or at it, that is wanted.
+    /// The first point in front of the ray's origin, or at it, that is wanted. A ray that begins on the sphere and goes in, as of a
+    /// projector that stands on its dome, does not meet where it begins.
     fn first(
         &self,
         ray: &Ray,
         wanted: impl Fn(&Point3<f64>) -> bool,
     ) -> Result<Point3<f64>, ProjectionError> {
-        let crossings = self.crossings(ray).ok_or(ProjectionError::MissesSurface)?;
-        let mut hits = crossings.into_iter().filter(|t| *t >= 0.0).map(|t| ray.at(t));
+        let [near, far] = self.crossings(ray).ok_or(ProjectionError::MissesSurface)?;
+        // What rounding of the origin and of the centre leaves of a distance of zero.
+        let size = self.radius.max(self.center.coords.amax()).max(ray.origin.coords.amax());
+        let none = |length: f64| length.abs() <= 8.0 * f64::EPSILON * size;
+        let begins_on_it = none((ray.origin - self.center).norm() - self.radius);
+        let goes_in = begins_on_it && none(near) && !none(far);
+        let crossings = [near, far].into_iter().skip(usize::from(goes_in));
+        let mut hits = crossings.filter(|t| *t >= 0.0).map(|t| ray.at(t));
         hits.find(|hit| hit.iter().all(|c| c.is_finite()) && wanted(hit))
             .ok_or(ProjectionError::MissesSurface)
     }

@@ -19,6 +19,7 @@
 mod canvas;
 mod coordinates;
 mod interpolation;
+mod outline;
 mod polygon;
 mod rays;
 mod scan;

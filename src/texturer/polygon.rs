@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Point2, Point3, Vector3};
 
+use super::outline;
 use super::scan::{self, PixelSpan, SUBPIXELS, Snapped};
 use crate::camera::HomogeneousCamera;
 use crate::error::Error;
@@ -189,60 +190,12 @@ impl ScreenPolygon {
     /// Triangles that cover the polygon, as indices of its vertices, by cutting off ears (Meisters 1975). Exact on the
     /// snapped vertices; an outline that crosses itself is cut as far as it goes.
     pub(super) fn triangles(&self) -> Vec<[usize; 3]> {
-        let turn = self.doubled_area().signum();
-        let cross = |a: Snapped, b: Snapped, c: Snapped| {
-            let d = |p: Snapped, q: Snapped, k: usize| i128::from(q[k]) - i128::from(p[k]);
-            turn * (d(a, b, 1) * d(a, c, 0) - d(a, b, 0) * d(a, c, 1))
-        };
-        let corner = |i: usize| self.snapped.get(i).copied().unwrap_or_default();
-        let mut rest: Vec<usize> = (0..self.snapped.len()).collect();
-        let mut triangles = Vec::new();
-        while rest.len() >= 3 {
-            let n = rest.len();
-            let ear = (0..n).find(|&k| {
-                let [i, j, l] = [rest[(k + n - 1) % n], rest[k], rest[(k + 1) % n]];
-                let [a, b, c] = [i, j, l].map(corner);
-                cross(a, b, c) > 0
-                    && rest.iter().map(|&m| corner(m)).filter(|p| ![a, b, c].contains(p)).all(|p| {
-                        !(cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0)
-                    })
-            });
-            // Without an ear only slivers are left; taking a vertex off loses no pixel of a simple outline.
-            let k = ear.unwrap_or(0);
-            if ear.is_some() {
-                triangles.push([rest[(k + n - 1) % n], rest[k], rest[(k + 1) % n]]);
-            }
-            rest.remove(k);
-        }
-        triangles
+        outline::triangles(&self.snapped, self.doubled_area().signum() as i64)
     }
 
     /// Whether edges that are no neighbours have a point in common. Exact on the snapped vertices.
     pub(super) fn crosses_itself(&self) -> bool {
-        let v = &self.snapped;
-        let n = v.len();
-        let edge =
-            |i: usize| [v.get(i), v.get((i + 1) % n)].map(|p| p.copied().unwrap_or_default());
-        let side = |[a, b]: [Snapped; 2], c: Snapped| {
-            let d = |p: Snapped, k: usize| i128::from(p[k]) - i128::from(a[k]);
-            (d(b, 0) * d(c, 1) - d(b, 1) * d(c, 0)).signum()
-        };
-        let within = |[a, b]: [Snapped; 2], c: Snapped| {
-            (0..2).all(|k| (a[k].min(b[k])..=a[k].max(b[k])).contains(&c[k]))
-        };
-        let meet = |e: [Snapped; 2], f: [Snapped; 2]| {
-            let sides = [side(e, f[0]), side(e, f[1]), side(f, e[0]), side(f, e[1])];
-            // Each edge's ends on two sides of the other; or an end of one on the other.
-            (sides[0] * sides[1] < 0 && sides[2] * sides[3] < 0)
-                || (sides[0] == 0 && within(e, f[0]))
-                || (sides[1] == 0 && within(e, f[1]))
-                || (sides[2] == 0 && within(f, e[0]))
-                || (sides[3] == 0 && within(f, e[1]))
-        };
-        (0..n).any(|i| {
-            let last = if i == 0 { n.saturating_sub(1) } else { n };
-            (i + 2..last).any(|j| meet(edge(i), edge(j)))
-        })
+        outline::crosses_itself(&self.snapped)
     }
 
     /// Whether nothing is left to draw.
@@ -252,7 +205,7 @@ impl ScreenPolygon {
     }
 
     /// Twice the area in 1/256² pixel, positive where the vertices turn counter-clockwise as seen (y down).
-    fn doubled_area(&self) -> i128 {
+    pub(super) fn doubled_area(&self) -> i128 {
         let v = &self.snapped;
         v.iter()
             .zip(v.iter().cycle().skip(1))

@@ -1,5 +1,6 @@
 //! Polygons as any sensor sees them, by the line of sight of each pixel.
 
+use alloc::collections::BTreeSet;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
@@ -53,6 +54,7 @@ pub struct Facets {
 #[derive(Clone, Debug)]
 struct Facet {
     plane: Plane,
+    has_front: bool,
     /// Of a polygon that crosses itself, whose triangles are those of its rectangle.
     outline: Option<Outline>,
 }
@@ -98,12 +100,17 @@ pub struct Sight {
     pub point: Point3<f64>,
     /// How far that is from where the line of sight begins, world units: the sensor, or the top of a curve over height.
     pub distance: f64,
-    /// Whether the side is seen from which the vertices turn counter-clockwise.
-    pub from_front: bool,
+    /// Whether the side is seen from which the vertices turn counter-clockwise; none of a polygon that crosses itself with parts of one
+    /// size, which has no front.
+    pub from_front: Option<bool>,
 }
 
 /// The chords that a curve is followed along.
 const CHORDS: u32 = 64;
+
+/// Polygons that are passed one by one; the others on the ray are then taken all at once, so that many of them cost no more for being
+/// many.
+const ONE_BY_ONE: usize = 8;
 
 /// Pixels across a polygon when it is cut into triangles.
 const ACROSS: f64 = 262_144.0;
@@ -187,7 +194,7 @@ impl Facets {
     ) -> Option<Sight> {
         // What was not wanted comes no more: a line of sight meets a polygon once.
         let mut passed: Vec<u32> = Vec::new();
-        loop {
+        while passed.len() < ONE_BY_ONE {
             let mut first: Option<((f32, u32), f64)> = None;
             self.mesh.visit_hits(ray, |hit| {
                 let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
@@ -203,18 +210,39 @@ impl Facets {
                 first.map_or(reach, |((distance, _), _)| f64::from(distance.next_up()))
             });
             let ((_, polygon), distance) = first?;
-            let plane = self.plane(polygon as usize)?;
-            let sight = Sight {
-                polygon: polygon as usize,
-                point: ray.at(distance),
-                distance,
-                from_front: plane.normal().dot(&ray.direction) < 0.0,
-            };
+            let sight = self.sight(ray, polygon, distance)?;
             if wanted(&sight) {
                 return Some(sight);
             }
             passed.push(polygon);
         }
+        let mut others: Vec<(f32, u32, f64)> = Vec::new();
+        self.mesh.visit_hits(ray, |hit| {
+            let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
+            if hit.distance <= reach && self.is_inside(polygon, &ray.at(hit.distance)) {
+                others.push((hit.distance as f32, polygon, hit.distance));
+            }
+            reach
+        });
+        others.sort_unstable_by(|a, b| {
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.total_cmp(&b.2))
+        });
+        let mut passed: BTreeSet<u32> = passed.into_iter().collect();
+        others.into_iter().filter(|(_, polygon, _)| passed.insert(*polygon)).find_map(
+            |(_, polygon, distance)| {
+                self.sight(ray, polygon, distance).filter(|sight| wanted(sight))
+            },
+        )
+    }
+
+    fn sight(&self, ray: &Ray, polygon: u32, distance: f64) -> Option<Sight> {
+        let facet = self.facets.get(polygon as usize)?.as_ref()?;
+        Some(Sight {
+            polygon: polygon as usize,
+            point: ray.at(distance),
+            distance,
+            from_front: facet.has_front.then(|| facet.plane.normal().dot(&ray.direction) < 0.0),
+        })
     }
 
     /// The first along a curve from its top: chord by chord, then on the curve itself.
@@ -266,6 +294,9 @@ impl Surface for Facets {
     }
 }
 
+/// Parts whose areas differ by less than a millionth of the polygon's size squared are of one size; doubled, in 1/256² pixel.
+const EQUAL_PARTS: f64 = 1e-6 * (256.0 * ACROSS) * (256.0 * ACROSS);
+
 /// A polygon, the corners of its triangles, and these by the numbers of the corners.
 type Cut = (Facet, Vec<Point3<f64>>, Vec<[usize; 3]>);
 
@@ -282,13 +313,14 @@ fn cut(world: &[Point3<f64>]) -> Result<Cut, Error> {
     let flat = Orthographic::new(exterior, flat)?.homogeneous();
     let outline = ScreenPolygon::project(world, &flat, 1.0)?;
     if outline.crosses_itself() {
+        let has_front = outline.doubled_area().unsigned_abs() as f64 > EQUAL_PARTS;
         let corners = world.iter().map(|p| exterior.pose().apply(p).xy()).collect();
         let outline = Outline { exterior, corners };
         let rectangle = outline.rectangle().to_vec();
-        let facet = Facet { plane, outline: Some(outline) };
+        let facet = Facet { plane, has_front, outline: Some(outline) };
         return Ok((facet, rectangle, vec![[0, 1, 2], [0, 2, 3]]));
     }
-    Ok((Facet { plane, outline: None }, world.to_vec(), outline.triangles()))
+    Ok((Facet { plane, has_front: true, outline: None }, world.to_vec(), outline.triangles()))
 }
 
 /// What a polygon is painted with where a line of sight meets it.
@@ -404,8 +436,8 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
         let sight = self.facets.first(&locus, |sight| {
             let shown = match self.facing {
                 Facing::Both => true,
-                Facing::Front => sight.from_front,
-                Facing::Back => !sight.from_front,
+                Facing::Front => sight.from_front == Some(true),
+                Facing::Back => sight.from_front == Some(false),
             };
             if shown && sight.distance >= self.near {
                 value = self.paint(sight, coords);

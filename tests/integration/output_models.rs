@@ -455,3 +455,26 @@ fn a_homogeneous_camera_is_a_sensor() {
         assert!((slopes - Matrix2x3::new(4.0, 0.0, 0.0, 0.0, -4.0, 0.0)).norm() < 1e-12);
     }
 }
+
+#[test]
+fn a_projector_on_the_dome_itself_shines_on_the_other_side() {
+    // At the side of a sphere of radius 9 along (4, 3, 0)/5, and up: by hand, at 2 · 9 · cos of the angle with the inward normal.
+    for center in [Point3::origin(), Point3::new(1_234_567.0, 5_678_901.0, 321.0)] {
+        let dome = Dome::new(center, 9.0, Vector3::z(), 100f64.to_radians()).unwrap();
+        let place = center + Vector3::new(-7.2, -5.4, 0.0);
+        let inwards = Ray::new(place, Vector3::new(4.0, 3.0, 0.0)).unwrap();
+        let hit = dome.meet_ray(&inwards).unwrap();
+        assert!((hit - center - Vector3::new(7.2, 5.4, 0.0)).norm() < 1e-8, "{hit}");
+        let up = Ray::new(place, Vector3::new(4.0, 3.0, 5.0)).unwrap();
+        let hit = dome.meet_ray(&up).unwrap();
+        assert!((hit - center - Vector3::new(0.0, 0.0, 9.0)).norm() < 1e-8, "{hit}");
+        // Past the rim, 0.17 r below the centre, nothing is met.
+        let down = Ray::new(place, Vector3::new(4.0, 3.0, -5.0)).unwrap();
+        assert_eq!(dome.meet_ray(&down), Err(ProjectionError::MissesSurface));
+        // A little outside it is the near side that is met.
+        let outside =
+            Ray::new(place - Vector3::new(0.8, 0.6, 0.0) * 1e-3, Vector3::new(4.0, 3.0, 0.0));
+        let hit = dome.meet_ray(&outside.unwrap()).unwrap();
+        assert!((hit - place).norm() < 1e-8, "{hit}");
+    }
+}

@@ -377,6 +377,20 @@ fn of_a_polygon_that_crosses_itself_the_even_odd_rule_decides() {
     }
     assert_eq!([sees(22.0, 0.5), sees(18.0, -0.5)], [Some(1), Some(1)]);
     assert_eq!([sees(20.5, 2.0), sees(19.5, -2.0)], [None, None]);
+    // A figure of two equal parts has no front, one of unequal parts has that of the larger.
+    let ray = Ray::new(Point3::new(22.0, 0.5, 9.0), -Vector3::z()).unwrap();
+    assert_eq!(facets.first(&Locus::Ray(ray), |_| true).unwrap().from_front, None);
+    let uneven = [(-3.0, -3.0), (1.0, 3.0), (-1.0, 3.0), (3.0, -3.0)];
+    let uneven = uneven.map(|(x, y)| Point3::new(x, y, 2.0)).to_vec();
+    let front = |polygon: Vec<Point3<f64>>| {
+        let (facets, _) = Facets::new(&[polygon]).unwrap();
+        let ray = Ray::new(Point3::new(0.0, -2.0, 9.0), -Vector3::z()).unwrap();
+        facets.first(&Locus::Ray(ray), |_| true).unwrap().from_front
+    };
+    // Its larger part, below, goes clockwise as seen from above.
+    let mut reversed = uneven.clone();
+    reversed.reverse();
+    assert_eq!([front(uneven), front(reversed)], [Some(false), Some(true)]);
 }
 
 #[test]
@@ -395,4 +409,74 @@ fn polygons_are_a_surface() {
     assert_eq!(from(0.5, 2.0, 5.0, 1.0), Err(ProjectionError::MissesSurface));
     assert_eq!(surface.normal(&Point3::new(0.0, 0.0, 4.1)).unwrap().z, 1.0);
     assert!((surface.height_above(&Point3::new(1.0, 1.0, 4.5)) - 0.5).abs() < 1e-15);
+}
+
+/// A polygon in the plane y = 5 of corners (x, z), and which of these points of it are met from the origin.
+fn met(corners: &[[f64; 2]], points: &[[f64; 2]]) -> Vec<bool> {
+    let world: Vec<Point3<f64>> = corners.iter().map(|[x, z]| Point3::new(*x, 5.0, *z)).collect();
+    let (facets, refused) = Facets::new(&[world]).unwrap();
+    assert!(refused.is_empty(), "{refused:?}");
+    let at = |[x, z]: &[f64; 2]| {
+        let ray = Ray::new(Point3::origin(), Vector3::new(*x, 5.0, *z)).unwrap();
+        facets.first(&Locus::Ray(ray), |_| true).is_some()
+    };
+    points.iter().map(at).collect()
+}
+
+#[test]
+fn polygons_of_a_hundred_thousand_vertices_are_cut_in_seconds() {
+    let polar = |r: f64, angle: f64| [r * angle.cos(), r * angle.sin()];
+    let turn = std::f64::consts::TAU;
+    let n = 100_000;
+    let part = |k: usize| turn * k as f64 / n as f64;
+    // A circle; a wheel of 50 000 teeth from 1 to 2.
+    let circle: Vec<_> = (0..n).map(|k| polar(2.0, part(k))).collect();
+    let points = [polar(0.0, 0.0), polar(1.999, 1.0), polar(2.001, 1.0)];
+    assert_eq!(met(&circle, &points), [true, true, false]);
+    let wheel: Vec<_> = (0..n).map(|k| polar(1.0 + (k % 2) as f64, part(k))).collect();
+    // On the axis of a tooth and of a gap.
+    let points = [polar(0.99, 1.0), polar(1.9, part(33_331)), polar(1.9, part(33_332))];
+    assert_eq!(met(&wheel, &points), [true, true, false]);
+    // A band half as wide as the spiral's turns are apart: r − 1 − angle/turn is from 0 to ½, or to as much above a whole number.
+    let winding = |k: usize| 20.0 * turn * k as f64 / (n / 2) as f64;
+    let outer = (0..n / 2).map(|k| polar(1.5 + winding(k) / turn, winding(k)));
+    let inner = (0..n / 2).rev().map(|k| polar(1.0 + winding(k) / turn, winding(k)));
+    let spiral: Vec<_> = outer.chain(inner).collect();
+    let points: Vec<_> =
+        (0..200).map(|k| polar(3.0 + 0.05 * f64::from(k) + 0.003, 2.39 * f64::from(k))).collect();
+    let expected: Vec<bool> = points
+        .iter()
+        .map(|[x, z]| (x.hypot(*z) - 1.0 - z.atan2(*x) / turn).rem_euclid(1.0) < 0.5)
+        .collect();
+    assert_eq!(met(&spiral, &points), expected);
+    // A comb: below the tip of a tooth, and above the bottom of a gap.
+    let tooth = |k: usize| [k as f64 / n as f64, (k % 2) as f64];
+    let mut comb: Vec<_> = (0..n).map(tooth).collect();
+    comb.extend([[1.0, -1.0], [0.0, -1.0]]);
+    let points = [[0.500_01, -0.5], [0.500_01, 0.999], [0.500_02, 0.001], [-0.001, 0.5]];
+    assert_eq!(met(&comb, &points), [true, true, false, false]);
+}
+
+#[test]
+fn a_thousand_polygons_that_show_nothing_are_passed_in_seconds() {
+    // Walls at 1, 2, 3, …, 3000, each of two triangles, the ray through both.
+    let wall = |k: usize| {
+        let y = 1.0 + k as f64;
+        [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, z)| Point3::new(x, y, z))
+    };
+    let walls: Vec<_> = (0..3000).map(wall).collect();
+    let (facets, _) = Facets::new(&walls).unwrap();
+    let ray = Ray::new(Point3::origin(), Vector3::y()).unwrap();
+    for last in [0, 7, 8, 9, 2999] {
+        let mut asked = Vec::new();
+        let sight = facets.first(&Locus::Ray(ray), |sight| {
+            asked.push(sight.polygon);
+            sight.polygon == last
+        });
+        assert_eq!(asked, (0..=last).collect::<Vec<_>>());
+        assert_eq!(sight.map(|s| s.point), Some(Point3::new(0.0, 1.0 + last as f64, 0.0)));
+    }
+    for _ in 0..100 {
+        assert_eq!(facets.first(&Locus::Ray(ray), |_| false), None);
+    }
 }

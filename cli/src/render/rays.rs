@@ -6,6 +6,8 @@ use std::thread;
 
 use anyhow::{Result, anyhow};
 use collinear::camera::SensorModel;
+use collinear::error::Brief;
+use collinear::geometry::Locus;
 use collinear::nalgebra::{Point3, Vector3};
 use collinear::resample::{Border, Filter};
 use collinear::texturer::{
@@ -13,7 +15,7 @@ use collinear::texturer::{
 };
 use collinear_io::scene::{Fill, Polygon};
 
-use super::{Remark, Report, Sources, no_plane, text};
+use super::{Remark, Report, Sources, no_plane, plane_of, text};
 
 /// Rows drawn by each thread between two reports of progress.
 const BAND: usize = 16;
@@ -22,6 +24,7 @@ const BAND: usize = 16;
 pub(super) struct Cast<'a> {
     pub(super) sources: &'a Sources<'a>,
     pub(super) sensor: &'a dyn SensorModel,
+    pub(super) size: [u32; 2],
     pub(super) near: f64,
     pub(super) filter: Filter,
     pub(super) facing: Facing,
@@ -57,7 +60,10 @@ impl Cast<'_> {
         };
         for (index, polygon) in polygons.iter().enumerate() {
             let reason = match (none.iter().find(|n| n.0 == index), &coordinates[index]) {
-                (Some((_, error)), _) => no_plane(*error),
+                // Where all are none, each by its own plane.
+                (Some((_, error)), _) => {
+                    plane_of(&worlds[index]).err().unwrap_or_else(|| no_plane(*error))
+                }
                 (None, Err(reason)) => reason.clone(),
                 (None, Ok(_)) => continue,
             };
@@ -75,7 +81,32 @@ impl Cast<'_> {
         }
         report.drawn = seen.iter().filter(|s| s.load(Ordering::Relaxed)).count();
         report.outside = polygons.len() - report.drawn - report.refused.len();
+        for ((index, polygon), world) in polygons.iter().enumerate().zip(&worlds) {
+            let drawn = seen.get(index).is_some_and(|s| s.load(Ordering::Relaxed));
+            let refused = report.refused.iter().any(|r| r.polygon == index);
+            if let Some(text) = self.nearer(world).filter(|_| !drawn && !refused) {
+                report.nearer.push(Remark { polygon: index, name: polygon.name.clone(), text });
+            }
+        }
         Ok(report)
+    }
+
+    /// What there is to say of a polygon that lies wholly before the near distance with a vertex in the picture.
+    fn nearer(&self, world: &[Point3<f64>]) -> Option<String> {
+        let mut farthest = 0.0_f64;
+        let mut in_picture = false;
+        for p in world {
+            // A vertex without an image is farther than any.
+            let image = self.sensor.project(p).ok()?;
+            let Ok(Locus::Ray(ray)) = self.sensor.locus(&image) else { return None };
+            farthest = farthest.max((p - ray.origin).norm());
+            let [width, height] = self.size.map(f64::from);
+            in_picture |= (0.0..width).contains(&image.x) && (0.0..height).contains(&image.y);
+        }
+        (in_picture && farthest < self.near).then(|| {
+            let (depth, near) = (Brief(farthest), Brief(self.near));
+            format!("lies up to a distance of {depth}, nearer than `near`, {near}")
+        })
     }
 
     /// Where in its picture a polygon's points are, where it has a picture; or why it has none.
