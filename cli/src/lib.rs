@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `collinear render` | [`render::render_scene`] |
 //! | `collinear rectify` | [`rectify::Rectification`] |
-//! | `collinear reproject` | [`reproject::Reprojection`] |
+//! | `collinear reproject` | [`reproject::photograph_from_screen`], [`lookup::Lookup`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |

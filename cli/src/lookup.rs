@@ -60,13 +60,12 @@ impl Lookup<'_> {
             _ => false,
         };
         let colors = if photograph.channels > 2 || colored { 3 } else { 1 };
-        let opacity = border == Border::Transparent;
-        let job = Job { lookup: *self, photograph, colors, opacity, filter, border, progress };
+        let job = Job { lookup: *self, photograph, colors, filter, border };
         let (data, seen) = match photograph.channels {
-            1 => job.run::<1>(),
-            2 => job.run::<2>(),
-            3 => job.run::<3>(),
-            4 => job.run::<4>(),
+            1 => job.run::<1>(progress),
+            2 => job.run::<2>(progress),
+            3 => job.run::<3>(progress),
+            4 => job.run::<4>(progress),
             other => bail!("has {other} channels, 1 to 4 are read"),
         }?;
         if seen == 0 {
@@ -108,98 +107,65 @@ impl Lookup<'_> {
     }
 }
 
+/// What every band of rows is drawn with.
 struct Job<'a> {
     lookup: Lookup<'a>,
     photograph: &'a Picture,
     /// Samples of a new pixel, without its opacity.
     colors: usize,
-    /// Whether a new pixel has an opacity.
-    opacity: bool,
     filter: Filter,
     border: Border,
-    progress: &'a dyn Fn(usize, usize),
 }
 
 impl Job<'_> {
+    /// Whether a new pixel has an opacity.
+    fn opacity(&self) -> bool {
+        self.border == Border::Transparent
+    }
+
     fn channels(&self) -> usize {
-        self.colors + usize::from(self.opacity)
+        self.colors + usize::from(self.opacity())
     }
 
     /// The new picture's samples, and how many of its pixels lie in the photograph.
     ///
     /// The photograph is looked up as it is, with all of its channels, and the rows of a band then get what they need of
     /// them: no copy of the photograph with other channels is made.
-    fn run<const C: usize>(&self) -> Result<(Vec<u8>, u64)> {
-        let Lookup { width, height, map } = self.lookup;
-        let (width, height, channels) = (width as usize, height as usize, self.channels());
-        let (w, h) = (self.photograph.width as usize, self.photograph.height as usize);
-        let source = ImageView::<u8, C>::new(&self.photograph.data, w, h)?;
-        let mut data = vec![0; width * height * channels];
+    fn run<const C: usize>(&self, progress: &dyn Fn(usize, usize)) -> Result<(Vec<u8>, u64)> {
+        let row = self.lookup.width as usize * self.channels();
+        let height = self.lookup.height as usize;
+        let mut data = vec![0; row * height];
         let threads = thread::available_parallelism().map_or(1, NonZero::get);
-        let mut bands: Vec<(usize, &mut [u8])> =
-            data.chunks_mut(width * channels * BAND).enumerate().collect();
         let (mut seen, mut done) = (0, 0);
-        (self.progress)(0, height);
-        for some in bands.chunks_mut(threads) {
-            done += some.iter().map(|(_, rows)| rows.len() / (width * channels)).sum::<usize>();
-            let passes = self.shared();
+        progress(0, height);
+        for some in data.chunks_mut(row * BAND * threads) {
+            let first = done;
+            done += some.len() / row;
             let counts: Vec<Result<u64>> = thread::scope(|scope| {
-                let mut drawn = Vec::with_capacity(threads);
-                for (i, rows) in some.iter_mut() {
-                    let first = *i * BAND;
-                    drawn.push(scope.spawn(move || passes.band(map, source, first, rows)));
-                }
+                let bands = some.chunks_mut(row * BAND).enumerate();
+                let draw = |(i, rows)| scope.spawn(move || self.band::<C>(first + i * BAND, rows));
+                let drawn: Vec<_> = bands.map(draw).collect();
                 let lost = |_| Err(anyhow!("a part of the picture was not drawn"));
                 drawn.into_iter().map(|d| d.join().unwrap_or_else(lost)).collect()
             });
             for count in counts {
                 seen += count?;
             }
-            (self.progress)(done, height);
+            progress(done, height);
         }
         Ok((data, seen))
     }
 
-    /// What the threads share.
-    fn shared(&self) -> Passes {
-        Passes {
-            width: self.lookup.width as usize,
-            channels: self.channels(),
-            colors: self.colors,
-            opacity: self.opacity,
-            filter: self.filter,
-            border: self.border,
-        }
-    }
-}
-
-/// How the rows of a band are drawn.
-#[derive(Clone, Copy)]
-struct Passes {
-    width: usize,
-    /// Samples of a new pixel, with its opacity.
-    channels: usize,
-    colors: usize,
-    opacity: bool,
-    filter: Filter,
-    border: Border,
-}
-
-impl Passes {
     /// Draws the rows from `first` on, and counts their pixels that lie in the photograph.
-    fn band<const C: usize>(
-        self,
-        map: &dyn Map,
-        source: ImageView<'_, u8, C>,
-        first: usize,
-        rows: &mut [u8],
-    ) -> Result<u64> {
-        let Self { width, channels, .. } = self;
+    fn band<const C: usize>(&self, first: usize, rows: &mut [u8]) -> Result<u64> {
+        let (width, channels) = (self.lookup.width as usize, self.channels());
+        let size = [self.photograph.width, self.photograph.height];
+        let [w, h] = size.map(|s| s as usize);
+        let source = ImageView::<u8, C>::new(&self.photograph.data, w, h)?;
         let count = rows.len() / (width * channels);
         let mut found = vec![0; width * count * C];
         let inside = Mutex::new(vec![false; width * count]);
-        let size = [source.width() as u32, source.height() as u32];
-        let band = Band { map, first: first as i32, width, size, inside };
+        let band = Band { map: self.lookup.map, first: first as i32, width, size, inside };
         for (target, border) in self.passes::<C>() {
             found.fill(0);
             let mut view = ImageViewMut::<u8, C>::new(&mut found, width, count)?;
@@ -211,7 +177,7 @@ impl Passes {
         }
         let inside = band.inside.into_inner().unwrap_or_else(PoisonError::into_inner);
         let seen = inside.iter().filter(|i| **i).count() as u64;
-        if self.opacity {
+        if self.opacity() {
             for (new, inside) in rows.chunks_exact_mut(channels).zip(inside) {
                 if let Some(last) = new.last_mut().filter(|_| inside) {
                     *last = u8::MAX;

@@ -7,12 +7,9 @@ use anyhow::{Result, anyhow, ensure};
 use collinear::geometry::{Dome, Plane, Surface};
 use collinear::mapping::{Map, SensorMap};
 use collinear::nalgebra::Point3;
-use collinear::resample::{Border, Filter};
 use collinear::texturer::Facets;
-use collinear_io::picture::Picture;
 use collinear_io::sensor::SensorFile;
 
-use crate::lookup::{Drawn, Lookup};
 use crate::obj;
 use crate::photograph::Photograph;
 use crate::picture::check_size;
@@ -56,70 +53,42 @@ pub fn read_mesh(path: &Path) -> Result<(Scene, usize)> {
     Ok((Scene::Mesh(Arc::new(facets)), refused.len()))
 }
 
-/// What leads from a sensor's picture into a photograph.
-#[derive(Debug)]
-pub struct Reprojection {
-    width: u32,
-    height: u32,
-    map: Box<dyn Map>,
-}
-
-impl Reprojection {
-    /// From the sensor of the new picture, what it looks at, and the sensor of the photograph.
-    ///
-    /// What the scene itself hides from the photograph is left out.
-    ///
-    /// # Errors
-    /// A size that [`check_size`] refuses, a sensor out of its domain; far away, a sensor that has no projection centre.
-    pub fn new(screen: &SensorFile, scene: &Scene, photograph: &SensorFile) -> Result<Self> {
-        let [width, height] = screen.size();
-        check_size(width, height).map_err(|e| anyhow!("the new picture: {e}"))?;
-        let made = Photograph::new(screen).map_err(|e| anyhow!("the new picture: {e}"))?;
-        let taken = Photograph::new(photograph).map_err(|e| anyhow!("the photograph: {e}"))?;
-        let map: Box<dyn Map> = match scene {
-            Scene::FarAway => {
-                let central = |of: Photograph, role: &str| {
-                    of.into_central().ok_or_else(|| {
-                        anyhow!(
-                            "{role}: has not one projection centre, and so no picture of what is far away: \
-                             give a plane, a dome or a mesh"
-                        )
-                    })
-                };
-                let made = central(made, "the new picture")?;
-                Box::new(SensorMap::distant(made, central(taken, "the photograph")?))
-            }
-            Scene::Plane(plane) => over(made, *plane, taken, None)?,
-            Scene::Dome(dome) => over(made, *dome, taken, Some(dome.sphere().radius()))?,
-            Scene::Mesh(facets) => {
-                let vertices = facets.mesh().vertices();
-                let first = vertices.first().copied().unwrap_or_else(Point3::origin);
-                let size = vertices.iter().map(|v| (v - first).norm()).fold(0.0, f64::max);
-                over(made, Arc::clone(facets), taken, Some(size))?
-            }
-        };
-        Ok(Self { width, height, map })
-    }
-
-    /// The map, photograph from new picture.
-    #[must_use]
-    pub fn map(&self) -> &dyn Map {
-        self.map.as_ref()
-    }
-
-    /// Draws the new picture, as [`Lookup::draw`].
-    ///
-    /// # Errors
-    /// As [`Lookup::draw`].
-    pub fn apply(
-        &self,
-        photograph: &Picture,
-        filter: Filter,
-        border: Border,
-        progress: &dyn Fn(usize, usize),
-    ) -> Result<Drawn> {
-        let lookup = Lookup { width: self.width, height: self.height, map: self.map.as_ref() };
-        lookup.draw(photograph, filter, border, progress)
+/// What leads from a sensor's picture into a photograph, over what both look at.
+///
+/// What the scene itself hides from the photograph is left out.
+///
+/// # Errors
+/// A size that [`check_size`] refuses, a sensor out of its domain; far away, a sensor that has no projection centre.
+pub fn photograph_from_screen(
+    screen: &SensorFile,
+    scene: &Scene,
+    photograph: &SensorFile,
+) -> Result<Box<dyn Map>> {
+    let [width, height] = screen.size();
+    check_size(width, height).map_err(|e| anyhow!("the new picture: {e}"))?;
+    let made = Photograph::new(screen).map_err(|e| anyhow!("the new picture: {e}"))?;
+    let taken = Photograph::new(photograph).map_err(|e| anyhow!("the photograph: {e}"))?;
+    match scene {
+        Scene::FarAway => {
+            let central = |of: Photograph, role: &str| {
+                of.into_central().ok_or_else(|| {
+                    anyhow!(
+                        "{role}: has not one projection centre, and so no picture of what is far away: \
+                         give a plane, a dome or a mesh"
+                    )
+                })
+            };
+            let made = central(made, "the new picture")?;
+            Ok(Box::new(SensorMap::distant(made, central(taken, "the photograph")?)))
+        }
+        Scene::Plane(plane) => over(made, *plane, taken, None),
+        Scene::Dome(dome) => over(made, *dome, taken, Some(dome.sphere().radius())),
+        Scene::Mesh(facets) => {
+            let vertices = facets.mesh().vertices();
+            let first = vertices.first().copied().unwrap_or_else(Point3::origin);
+            let size = vertices.iter().map(|v| (v - first).norm()).fold(0.0, f64::max);
+            over(made, Arc::clone(facets), taken, Some(size))
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Camera files: one picture size, an interior and an exterior orientation.
 
 mod lens;
+mod plain;
 mod raw;
 
 use collinear::camera::{COLMAP_MODELS, Panorama};

@@ -6,7 +6,7 @@
 //! `images` has every pose.
 
 mod binary;
-mod models;
+pub(crate) mod models;
 mod text;
 
 use std::collections::BTreeMap;

@@ -159,8 +159,9 @@ impl<S, T> SensorMap<Frame<S>, Sphere, Frame<T>> {
     }
 }
 
-impl<S: SensorModel, U: Surface, T: SensorModel> Map for SensorMap<S, U, T> {
-    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+impl<S: SensorModel, U: Surface, T: SensorModel> SensorMap<S, U, T> {
+    /// The point of the surface that a pixel shows, and its pixel in the texture.
+    fn meet(&self, screen: &Point2<f64>) -> Result<(Point3<f64>, Point2<f64>), ProjectionError> {
         let world = self.screen.ground(screen, &self.surface)?;
         let texture = self.texture.project(&world)?;
         if let Some(tolerance) = self.tolerance {
@@ -170,12 +171,17 @@ impl<S: SensorModel, U: Surface, T: SensorModel> Map for SensorMap<S, U, T> {
                 return Err(ProjectionError::Hidden { distance });
             }
         }
-        Ok(texture)
+        Ok((world, texture))
+    }
+}
+
+impl<S: SensorModel, U: Surface, T: SensorModel> Map for SensorMap<S, U, T> {
+    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        self.meet(screen).map(|(_, texture)| texture)
     }
 
     fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
-        self.at(screen)?;
-        let world = self.screen.ground(screen, &self.surface)?;
+        let (world, _) = self.meet(screen)?;
         let frame = axes(&self.surface.normal(&world)?);
         let along = |by_world: Matrix2x3<f64>| by_world * frame.matrix().fixed_columns::<2>(0);
         let by_screen = along(self.screen.project_jacobian(&world)?.1);

@@ -165,10 +165,9 @@ impl Facets {
     /// The first on a ray to the last digit.
     fn hit(&self, ray: &Ray) -> Option<f64> {
         let mut nearest = f64::INFINITY;
-        self.mesh.visit_hits(ray, |hit| {
-            let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
-            if hit.distance < nearest && self.is_inside(polygon, &ray.at(hit.distance)) {
-                nearest = hit.distance;
+        self.visit(ray, |_, distance, is_inside| {
+            if distance < nearest && is_inside() {
+                nearest = distance;
             }
             nearest
         });
@@ -179,10 +178,16 @@ impl Facets {
         self.facets.get(polygon)?.as_ref().map(|f| f.plane)
     }
 
-    /// Whether a point of a polygon's triangles is in the polygon.
-    fn is_inside(&self, polygon: u32, world: &Point3<f64>) -> bool {
-        let facet = self.facets.get(polygon as usize).and_then(Option::as_ref);
-        facet.is_some_and(|f| f.outline.as_ref().is_none_or(|o| o.contains(world)))
+    /// Visits the polygons whose triangles the ray meets, in no order: the polygon, how far along the ray, and what tells whether the
+    /// polygon itself is there. What `visit` returns is how far along the ray others still matter.
+    fn visit(&self, ray: &Ray, mut visit: impl FnMut(u32, f64, &dyn Fn() -> bool) -> f64) {
+        self.mesh.visit_hits(ray, |hit| {
+            let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
+            let facet = self.facets.get(polygon as usize).and_then(Option::as_ref);
+            let at = |o: &Outline| o.contains(&ray.at(hit.distance));
+            let is_inside = || facet.is_some_and(|f| f.outline.as_ref().is_none_or(at));
+            visit(polygon, hit.distance, &is_inside)
+        });
     }
 
     /// The first on a ray, not farther than `reach`.
@@ -196,15 +201,14 @@ impl Facets {
         let mut passed: Vec<u32> = Vec::new();
         while passed.len() < ONE_BY_ONE {
             let mut first: Option<((f32, u32), f64)> = None;
-            self.mesh.visit_hits(ray, |hit| {
-                let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
-                let key = (hit.distance as f32, polygon);
-                if hit.distance <= reach
+            self.visit(ray, |polygon, distance, is_inside| {
+                let key = (distance as f32, polygon);
+                if distance <= reach
                     && !passed.contains(&polygon)
                     && first.is_none_or(|(nearest, _)| key < nearest)
-                    && self.is_inside(polygon, &ray.at(hit.distance))
+                    && is_inside()
                 {
-                    first = Some((key, hit.distance));
+                    first = Some((key, distance));
                 }
                 // Those that round to the same distance count.
                 first.map_or(reach, |((distance, _), _)| f64::from(distance.next_up()))
@@ -217,10 +221,9 @@ impl Facets {
             passed.push(polygon);
         }
         let mut others: Vec<(f32, u32, f64)> = Vec::new();
-        self.mesh.visit_hits(ray, |hit| {
-            let polygon = self.polygons.get(hit.triangle).copied().unwrap_or_default();
-            if hit.distance <= reach && self.is_inside(polygon, &ray.at(hit.distance)) {
-                others.push((hit.distance as f32, polygon, hit.distance));
+        self.visit(ray, |polygon, distance, is_inside| {
+            if distance <= reach && is_inside() {
+                others.push((distance as f32, polygon, distance));
             }
             reach
         });

@@ -30,7 +30,7 @@ pub(crate) fn say(message: &str) {
 }
 
 /// A bar on a terminal, nothing elsewhere.
-pub(crate) fn progress_bar(what: &'static str) -> ProgressBar {
+fn progress_bar(what: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -39,6 +39,17 @@ pub(crate) fn progress_bar(what: &'static str) -> ProgressBar {
         bar.set_style(style);
     }
     bar.with_message(what)
+}
+
+/// Does some work with a bar that shows how much of it is done.
+pub(crate) fn with_bar<T>(what: &'static str, work: impl FnOnce(&dyn Fn(usize, usize)) -> T) -> T {
+    let bar = progress_bar(what);
+    let result = work(&|done, total| {
+        bar.set_length(total as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    result
 }
 
 /// The path of a picture to write, refused here where its extension names no format.
@@ -146,12 +157,18 @@ impl BorderChoice {
         }))
     }
 
-    /// The border, refused where it is transparent and the output cannot be.
-    pub(crate) fn border(self, can_be_transparent: bool) -> Result<Border, UsageError> {
-        if self.0 == Border::Transparent && !can_be_transparent {
-            let reason = "a JPEG has no opacity: write a PNG, or give another --border";
-            return Err(UsageError(reason.into()));
+    /// The border of a picture to write: without a choice transparent in a PNG and black in a JPEG. A transparent one is refused where
+    /// the output cannot be.
+    pub(crate) fn of(choice: Option<Self>, output: &Path) -> Result<Border> {
+        let png = PictureFormat::from_path(output)? == PictureFormat::Png;
+        match choice {
+            Some(Self(Border::Transparent)) if !png => {
+                let reason = "a JPEG has no opacity: write a PNG, or give another --border";
+                Err(UsageError(reason.into()).into())
+            }
+            Some(Self(border)) => Ok(border),
+            None if png => Ok(Border::Transparent),
+            None => Ok(Border::Constant([0.0; 4])),
         }
-        Ok(self.0)
     }
 }

@@ -5,18 +5,17 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, anyhow};
 use clap::{ArgGroup, Args};
 use collinear::nalgebra::Point2;
-use collinear::resample::Border;
 use collinear_cli::lookup::Drawn;
 use collinear_cli::rectify::{Rectification, footprint, size_at};
 use collinear_io::Document;
 use collinear_io::map::MapFile;
-use collinear_io::picture::{Picture, PictureFormat, read_picture, write_picture};
+use collinear_io::picture::{Picture, read_picture, write_picture};
 use collinear_io::plane::{PlaneFile, Rectangle};
 use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
 use super::{
-    BorderChoice, Files, FilterChoice, Size, in_file, picture_path, positive, progress_bar, say,
+    BorderChoice, Files, FilterChoice, Size, in_file, picture_path, positive, say, with_bar,
 };
 
 /// Turn a plane of the world, as a façade, face-on
@@ -123,12 +122,7 @@ impl Arguments {
                 files.input(role, path)?;
             }
         }
-        let png = PictureFormat::from_path(&self.output)? == PictureFormat::Png;
-        let border = match self.border {
-            Some(choice) => choice.border(png)?,
-            None if png => Border::Transparent,
-            None => Border::Constant([0.0; 4]),
-        };
+        let border = BorderChoice::of(self.border, &self.output)?;
         let camera = self.camera.as_deref().map(SensorFile::read).transpose()?;
         let (rectification, rectangle) = match (&self.plane, &camera, &self.quad) {
             (Some(path), Some(camera), _) => {
@@ -159,13 +153,9 @@ impl Arguments {
             ));
         }
         let photograph = self.photograph(camera.as_ref())?;
-        let bar = progress_bar("rectifying");
-        let rectified =
-            rectification.apply(&photograph, self.filter.into(), border, &|done, total| {
-                bar.set_length(total as u64);
-                bar.set_position(done as u64);
-            });
-        bar.finish_and_clear();
+        let rectified = with_bar("rectifying", |progress| {
+            rectification.apply(&photograph, self.filter.into(), border, progress)
+        });
         drop(photograph);
         let Drawn { picture, seen } = rectified.map_err(|e| in_file(&self.photo, e))?;
         if rectification.is_mirrored() {

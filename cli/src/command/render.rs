@@ -9,7 +9,7 @@ use collinear_io::picture::write_picture;
 use collinear_io::scene::SensorSource;
 use collinear_io::sensor::SensorFile;
 
-use super::{Files, open_scene, picture_path, progress_bar, say};
+use super::{Files, open_scene, picture_path, say, with_bar};
 
 /// Draw the view of a scene: polygons textured by photographs, textures or colours
 #[derive(Debug, Args)]
@@ -64,12 +64,8 @@ impl Arguments {
         if let Some(path) = &self.view {
             scene.view = SensorSource::Inline(SensorFile::read(path)?);
         }
-        let bar = progress_bar("rendering");
-        let result = render_scene(&scene, Path::new(""), &|done, total| {
-            bar.set_length(total as u64);
-            bar.set_position(done as u64);
-        });
-        bar.finish_and_clear();
+        let result =
+            with_bar("rendering", |progress| render_scene(&scene, Path::new(""), progress));
         let name = self.scene.display();
         let rendered = result.map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
         let report = &rendered.report;

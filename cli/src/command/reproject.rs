@@ -4,16 +4,15 @@ use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
 use clap::{ArgGroup, Args};
-use collinear::resample::Border;
-use collinear_cli::lookup::Drawn;
-use collinear_cli::reproject::{Reprojection, Scene, read_mesh};
+use collinear_cli::lookup::{Drawn, Lookup};
+use collinear_cli::reproject::{Scene, photograph_from_screen, read_mesh};
 use collinear_io::Document;
 use collinear_io::dome::DomeFile;
-use collinear_io::picture::{PictureFormat, read_picture, write_picture};
+use collinear_io::picture::{read_picture, write_picture};
 use collinear_io::plane::PlaneFile;
 use collinear_io::sensor::SensorFile;
 
-use super::{BorderChoice, Files, FilterChoice, in_file, picture_path, progress_bar, say};
+use super::{BorderChoice, Files, FilterChoice, in_file, picture_path, say, with_bar};
 
 /// Turn a picture into the one that another camera, projector or scanner would have
 #[derive(Debug, Args)]
@@ -92,33 +91,26 @@ impl Arguments {
         files.input("the camera", &self.camera)?;
         files.input("the screen", &self.screen)?;
         let scene = self.scene(&mut files)?;
-        let png = PictureFormat::from_path(&self.output)? == PictureFormat::Png;
-        let border = match self.border {
-            Some(choice) => choice.border(png)?,
-            None if png => Border::Transparent,
-            None => Border::Constant([0.0; 4]),
-        };
+        let border = BorderChoice::of(self.border, &self.output)?;
         let camera = SensorFile::read(&self.camera)?;
         let screen = SensorFile::read(&self.screen)?;
-        let made =
-            Reprojection::new(&screen, &scene, &camera).map_err(|e| in_file(&self.screen, e))?;
+        let map = photograph_from_screen(&screen, &scene, &camera)
+            .map_err(|e| in_file(&self.screen, e))?;
+        let [width, height] = screen.size();
+        let lookup = Lookup { width, height, map: map.as_ref() };
         let photograph = read_picture(&self.photo)?;
         camera
             .check_picture_size(photograph.width, photograph.height)
             .map_err(|e| in_file(&self.photo, e))?;
-        let bar = progress_bar("reprojecting");
-        let drawn = made.apply(&photograph, self.filter.into(), border, &|done, total| {
-            bar.set_length(total as u64);
-            bar.set_position(done as u64);
+        let drawn = with_bar("reprojecting", |progress| {
+            lookup.draw(&photograph, self.filter.into(), border, progress)
         });
-        bar.finish_and_clear();
         drop(photograph);
         let Drawn { picture, seen } = drawn.map_err(|e| in_file(&self.photo, e))?;
         write_picture(&self.output, &picture)?;
         let all = u64::from(picture.width) * u64::from(picture.height);
         let part =
             if seen < all { format!(", {seen} of {all} in the picture") } else { String::new() };
-        let (width, height) = (picture.width, picture.height);
         say(&format!("{}: {width} × {height} pixels{part}", self.output.display()));
         Ok(())
     }

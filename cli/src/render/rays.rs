@@ -1,5 +1,6 @@
 //! A view whose pixels look each their own way: fisheyes, panoramas, lenses, scanners.
 
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -58,20 +59,19 @@ impl Cast<'_> {
             Ok((facets, none)) => (Some(facets), none),
             Err(error) => (None, (0..polygons.len()).map(|i| (i, error)).collect()),
         };
+        let none: BTreeMap<usize, collinear::Error> = none.into_iter().collect();
+        let mut refused = vec![false; polygons.len()];
         for (index, polygon) in polygons.iter().enumerate() {
-            let reason = match (none.iter().find(|n| n.0 == index), &coordinates[index]) {
+            let text = match (none.get(&index), &coordinates[index]) {
                 // Where all are none, each by its own plane.
-                (Some((_, error)), _) => {
+                (Some(error), _) => {
                     plane_of(&worlds[index]).err().unwrap_or_else(|| no_plane(*error))
                 }
                 (None, Err(reason)) => reason.clone(),
                 (None, Ok(_)) => continue,
             };
-            report.refused.push(Remark {
-                polygon: index,
-                name: polygon.name.clone(),
-                text: reason,
-            });
+            refused[index] = true;
+            report.refused.push(Remark { polygon: index, name: polygon.name.clone(), text });
         }
         let seen: Vec<AtomicBool> = polygons.iter().map(|_| AtomicBool::new(false)).collect();
         if let Some(facets) = &facets {
@@ -81,10 +81,11 @@ impl Cast<'_> {
         }
         report.drawn = seen.iter().filter(|s| s.load(Ordering::Relaxed)).count();
         report.outside = polygons.len() - report.drawn - report.refused.len();
-        for ((index, polygon), world) in polygons.iter().enumerate().zip(&worlds) {
-            let drawn = seen.get(index).is_some_and(|s| s.load(Ordering::Relaxed));
-            let refused = report.refused.iter().any(|r| r.polygon == index);
-            if let Some(text) = self.nearer(world).filter(|_| !drawn && !refused) {
+        for (index, polygon) in polygons.iter().enumerate() {
+            if refused[index] || seen[index].load(Ordering::Relaxed) {
+                continue;
+            }
+            if let Some(text) = self.nearer(&worlds[index]) {
                 report.nearer.push(Remark { polygon: index, name: polygon.name.clone(), text });
             }
         }
