@@ -6,8 +6,10 @@
 
 mod precision;
 mod report;
+mod resection;
 mod unknowns;
 
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
+pub use resection::{ControlPoint, OtherPose, Resection, ResectionOptions, resect, resect_from};
 pub use unknowns::Unknown;
