@@ -24,6 +24,7 @@ mod least_squares;
 mod mesh;
 mod orthophoto;
 mod output_models;
+mod p3p;
 mod plane;
 mod plane_map;
 mod plane_map_edges;
