@@ -1,6 +1,7 @@
 //! Space resection: a camera from points whose places are known.
 
 mod object_space;
+mod robust;
 mod solve;
 mod start;
 
@@ -8,6 +9,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Point2, Point3};
 
+pub use self::robust::{RobustResection, resect_robust};
 use self::solve::{Minimised, Observed, Task};
 use super::precision::Precision;
 use super::report::{ObservationReport, Report};
@@ -317,14 +319,9 @@ fn refined<C: CentralModel + Adjustable + Clone>(
             break;
         }
         let found = task.minimise(&frame);
-        let same = |s: &Minimised<Frame<C>>| {
-            let turn = s
-                .sensor
-                .exterior
-                .camera_from_world()
-                .rotation_to(&found.sensor.exterior.camera_from_world());
-            turn.angle() < 1e-5
-        };
+        let rotation = |s: &Frame<C>| *s.exterior.camera_from_world().matrix();
+        let same =
+            |s: &Minimised<Frame<C>>| (rotation(&s.sensor) - rotation(&found.sensor)).norm() < 1e-5;
         if !solutions.iter().any(same) {
             solutions.push(found);
         }
