@@ -4,11 +4,13 @@
 //! observations' covariance: the maximum-likelihood answer where errors are normal. What it found comes with a
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 
+mod dlt;
 mod p3p;
 mod precision;
 mod report;
 mod unknowns;
 
+pub use dlt::{DltCamera, dlt};
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};

@@ -16,6 +16,7 @@ mod camera_edges;
 mod central_models;
 mod consensus;
 mod contracts;
+mod dlt;
 mod extremes;
 mod geodetic;
 mod homography;
