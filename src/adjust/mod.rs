@@ -8,10 +8,12 @@ mod dlt;
 mod p3p;
 mod precision;
 mod report;
+mod resection;
 mod unknowns;
 
 pub use dlt::{DltCamera, dlt};
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
+pub use resection::{ControlPoint, OtherPose, Resection, ResectionOptions, resect, resect_from};
 pub use unknowns::Unknown;

@@ -147,10 +147,12 @@ impl<D: Distortion> Frame<CentralCamera<Gnomonic, D>> {
 }
 
 impl<C: CentralModel> SensorModel for Frame<C> {
+    #[inline]
     fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
         self.camera.project_direction(&self.exterior.pose().apply(world).coords)
     }
 
+    #[inline]
     fn project_jacobian(
         &self,
         world: &Point3<f64>,
@@ -193,6 +195,7 @@ impl<C: CentralModel + Adjustable> Adjustable for Frame<C> {
         Ok(())
     }
 
+    #[inline]
     fn partials(
         &self,
         object: &Point3<f64>,
