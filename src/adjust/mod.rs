@@ -4,13 +4,18 @@
 //! observations' covariance: the maximum-likelihood answer where errors are normal. What it found comes with a
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 
+mod absolute_orientation;
 mod dlt;
 mod p3p;
 mod precision;
 mod report;
 mod resection;
+mod settle;
 mod unknowns;
 
+pub use absolute_orientation::{
+    AbsoluteOrientation, AbsoluteOrientationOptions, PointPair, absolute_orientation,
+};
 pub use dlt::{DltCamera, dlt};
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;

@@ -10,6 +10,7 @@
     reason = "a test fails by panicking and says what it skips; helpers are shared within one binary; digits are as printed"
 )]
 
+mod absolute_orientation;
 mod affine;
 mod camera;
 mod camera_edges;
