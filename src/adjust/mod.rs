@@ -6,6 +6,7 @@
 
 mod absolute_orientation;
 mod dlt;
+mod intersection;
 mod p3p;
 mod precision;
 mod report;
@@ -17,6 +18,9 @@ pub use absolute_orientation::{
     AbsoluteOrientation, AbsoluteOrientationOptions, PointPair, absolute_orientation,
 };
 pub use dlt::{DltCamera, dlt};
+pub use intersection::{
+    ImageObservation, Intersection, IntersectionOptions, NearestPoint, intersect, nearest_point,
+};
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};

@@ -21,6 +21,7 @@ mod dlt;
 mod extremes;
 mod geodetic;
 mod homography;
+mod intersection;
 mod layers;
 mod least_squares;
 mod mesh;
