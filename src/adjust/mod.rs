@@ -4,12 +4,23 @@
 //! observations' covariance: the maximum-likelihood answer where errors are normal. What it found comes with a
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 
+mod absolute_orientation;
+mod dlt;
+mod intersection;
 mod p3p;
 mod precision;
 mod report;
 mod resection;
+mod settle;
 mod unknowns;
 
+pub use absolute_orientation::{
+    AbsoluteOrientation, AbsoluteOrientationOptions, PointPair, absolute_orientation,
+};
+pub use dlt::{DltCamera, dlt};
+pub use intersection::{
+    ImageObservation, Intersection, IntersectionOptions, NearestPoint, intersect, nearest_point,
+};
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
