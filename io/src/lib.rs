@@ -18,6 +18,7 @@
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | control points with their images and precisions | [`control`] | CSV |
+//! | which photograph shows which point where | [`observations`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
 //! | rational polynomial cameras | [`rpc`] | JSON, RPB, `_RPC.TXT`, DIMAP XML, GDAL's XML, OSSIM `.geom`, GeoTIFF |
 //! | geoid undulations | [`gtx`] | GTX |
@@ -67,6 +68,7 @@ pub mod gtx;
 pub mod map;
 pub mod metashape;
 pub mod nerf;
+pub mod observations;
 pub mod opencv;
 pub mod opensfm;
 pub mod orientation;
