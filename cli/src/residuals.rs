@@ -56,11 +56,17 @@ pub fn to_svg(points: &[PointResult], [width, height]: [u32; 2], exaggeration: f
             );
         }
         if points.len() <= NAMED {
+            // On the side where the vector is not, and within the picture.
+            let (aside, anchor) = match x > 0.75 * f64::from(width) {
+                true => (-6.0 * stroke, "end"),
+                false => (6.0 * stroke, "start"),
+            };
+            let above = if end[1] < y { 6.0 * stroke + 0.7 * text } else { -6.0 * stroke };
             let _ = writeln!(
                 svg,
-                "<text x=\"{:.2}\" y=\"{:.2}\">{}</text>",
-                x + 6.0 * stroke,
-                y - 6.0 * stroke,
+                "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{anchor}\">{}</text>",
+                x + aside,
+                y + above,
                 escaped(&point.id),
             );
         }

@@ -50,7 +50,15 @@ fn help_tells_what_a_command_does_and_in_which_units() {
         ("project", &["POINTS.csv", "--inverse", "id, X, Y, Z, x, y, status", "behind", "pixels"]),
         (
             "resect",
-            &["CONTROL.csv", "without initial values", "sigma 0", "3.29", "80 %", "degrees", "--svg"],
+            &[
+                "CONTROL.csv",
+                "without initial values",
+                "sigma 0",
+                "3.29",
+                "80 %",
+                "degrees",
+                "--svg",
+            ],
         ),
         (
             "intersect",

@@ -2,8 +2,10 @@
 
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
+use collinear_io::control::parse_control;
 use collinear_io::dome::DomeFile;
 use collinear_io::map::MapFile;
+use collinear_io::observations::parse_observations;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::parse_points;
 use collinear_io::rpc::RpcFile;
@@ -127,9 +129,12 @@ fn the_examples_of_the_formats_page_are_files() {
     }
     kinds.dedup();
     assert_eq!(kinds, ["camera", "scanner", "plane", "dome", "map", "rpc", "scene"]);
-    for text in blocks(&page, "csv") {
-        assert_eq!(parse_points(text).unwrap().len(), 2);
-    }
+    let [points, control, observations] = blocks(&page, "csv")[..] else { panic!("three tables") };
+    assert_eq!(parse_points(points).unwrap().len(), 2);
+    let rows = parse_control(control).unwrap();
+    assert_eq!((rows[0].image_sigma, rows[0].world_sigma), (Some([0.3; 2]), None));
+    assert_eq!(rows[1].world_sigma, Some([0.02, 0.02, 0.05]));
+    assert_eq!(parse_observations(observations).unwrap().len(), 2);
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod atomic;
 mod berlin;
 mod blender;
 mod cameras;
+mod control;
 mod convert;
 mod documents;
 mod foreign;
