@@ -6,6 +6,7 @@
 
 mod absolute_orientation;
 mod dlt;
+mod five_point;
 mod intersection;
 mod p3p;
 mod precision;
@@ -18,6 +19,7 @@ pub use absolute_orientation::{
     AbsoluteOrientation, AbsoluteOrientationOptions, PointPair, absolute_orientation,
 };
 pub use dlt::{DltCamera, dlt};
+pub use five_point::{MotionRoots, five_point};
 pub use intersection::{
     ImageObservation, Intersection, IntersectionOptions, NearestPoint, intersect, nearest_point,
 };

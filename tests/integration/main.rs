@@ -19,6 +19,7 @@ mod consensus;
 mod contracts;
 mod dlt;
 mod extremes;
+mod five_point;
 mod geodetic;
 mod homography;
 mod intersection;
