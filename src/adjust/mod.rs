@@ -26,5 +26,8 @@ pub use intersection::{
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
-pub use resection::{ControlPoint, OtherPose, Resection, ResectionOptions, resect, resect_from};
+pub use resection::{
+    ControlPoint, OtherPose, Resection, ResectionOptions, RobustResection, resect, resect_from,
+    resect_robust,
+};
 pub use unknowns::Unknown;

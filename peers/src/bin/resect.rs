@@ -13,8 +13,9 @@
 use std::io::{BufRead, Write};
 use std::time::Instant;
 
-use collinear::adjust::{ControlPoint, ResectionOptions, resect};
+use collinear::adjust::{ControlPoint, ResectionOptions, resect, resect_robust};
 use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
+use collinear::numeric::consensus::ConsensusOptions;
 use collinear::{ExteriorOrientation, InteriorOrientation, Pose};
 use serde_json::{Value, json};
 
@@ -57,10 +58,19 @@ fn answer(line: &str) -> Result<Value, Failure> {
     };
     let options = ResectionOptions { start, ..ResectionOptions::default() };
     let reps = request["reps"].as_u64().unwrap_or(1).max(1);
+    let consensus = request["robust"].as_f64().map(|threshold| ConsensusOptions {
+        threshold,
+        seed: request["seed"].as_u64().unwrap_or(0),
+        ..ConsensusOptions::default()
+    });
+    let once = || match &consensus {
+        None => resect(&camera, &control, &options),
+        Some(c) => resect_robust(&camera, &control, c, &options).map(|found| found.resection),
+    };
     let clock = Instant::now();
-    let mut found = resect(&camera, &control, &options)?;
+    let mut found = once()?;
     for _ in 1..reps {
-        found = resect(&camera, &control, &options)?;
+        found = once()?;
     }
     let us = clock.elapsed().as_secs_f64() * 1e6 / reps as f64;
     let pose = found.sensor.exterior.pose();

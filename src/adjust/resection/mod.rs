@@ -1,13 +1,15 @@
 //! Space resection: a camera from points whose places are known.
 
 mod object_space;
+mod robust;
 mod solve;
 mod start;
 
 use alloc::vec::Vec;
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Matrix3, Point2, Point3};
 
+pub use self::robust::{RobustResection, resect_robust};
 use self::solve::{Minimised, Observed, Task};
 use super::precision::Precision;
 use super::report::{ObservationReport, Report};
@@ -22,7 +24,7 @@ use crate::numeric::robust_loss::RobustLoss;
 /// # Example
 /// ```
 /// use collinear::adjust::{ControlPoint, Precision};
-/// use nalgebra::{Point2, Point3};
+/// use nalgebra::{Matrix3, Point2, Point3};
 ///
 /// let control = ControlPoint::new(Point3::new(36589.41, 25273.32, 2195.17), Point2::new(812.5, 410.25))
 ///     .with_precision(Precision::Sigma(0.3))
@@ -108,6 +110,7 @@ pub struct Resection<S> {
     pub other: Option<OtherPose>,
     /// For each control point the place of its first number, and the end.
     first: Vec<usize>,
+    exterior_first: bool,
 }
 
 /// A second local minimum of a resection.
@@ -132,6 +135,27 @@ impl<S> Resection<S> {
     pub fn object_report(&self, point: usize) -> Option<[ObservationReport; 3]> {
         let (first, next) = (*self.first.get(point)?, *self.first.get(point + 1)?);
         self.report.values.get(first + 2..next)?.try_into().ok()
+    }
+}
+
+impl<C> Resection<Frame<C>> {
+    /// The covariance of ω, φ, κ in square radians, where the whole exterior orientation is what was estimated, or first among it.
+    ///
+    /// ```text
+    /// Σ(ω, φ, κ) = J⁻¹ Σ(δ) J⁻ᵀ,   δ = J d(ω, φ, κ)
+    /// ```
+    ///
+    /// `None` where it was not, or φ is ±90° and ω and κ turn about one axis.
+    #[must_use]
+    pub fn omega_phi_kappa_covariance(&self) -> Option<Matrix3<f64>> {
+        if !self.exterior_first {
+            return None;
+        }
+        let by_angles = self.sensor.exterior.rotation_from_omega_phi_kappa();
+        let inverse = by_angles.try_inverse()?;
+        let turn = self.report.covariance.fixed_view::<3, 3>(3, 3);
+        let covariance = inverse * turn * inverse.transpose();
+        covariance.iter().all(|v| v.is_finite()).then_some(covariance)
     }
 }
 
@@ -171,7 +195,7 @@ impl<S> Resection<S> {
 /// use collinear::InteriorOrientation;
 /// use collinear::adjust::{ControlPoint, ResectionOptions, resect};
 /// use collinear::geometry::Affine2;
-/// use nalgebra::{Point2, Point3};
+/// use nalgebra::{Matrix3, Point2, Point3};
 ///
 /// // With the identity image coordinates are photo millimetres, y up.
 /// let camera = InteriorOrientation::from_photogrammetric(153.24, Point2::origin(), &Affine2::identity())?;
@@ -213,7 +237,8 @@ pub fn resect<C: CentralModel + Adjustable + Clone>(
         best = task.minimise(&best.sensor);
     }
     let (report, first) = task.report(&best)?;
-    Ok(Resection { sensor: best.sensor, report, other, first })
+    let exterior_first = options.unknowns.first() == Some(&Unknown::group(0));
+    Ok(Resection { sensor: best.sensor, report, other, first, exterior_first })
 }
 
 /// The sensor from control points and a start: any sensor with parameters, a scanner's too.
@@ -261,7 +286,8 @@ pub fn resect_from<S: SensorModel + Adjustable + Clone>(
     let task = Task { points: &points, columns: &columns, options };
     let found = task.minimise(sensor);
     let (report, first) = task.report(&found)?;
-    Ok(Resection { sensor: found.sensor, report, other: None, first })
+    let exterior_first = options.unknowns.first() == Some(&Unknown::group(0));
+    Ok(Resection { sensor: found.sensor, report, other: None, first, exterior_first })
 }
 
 fn observed(control: &[ControlPoint]) -> Result<Vec<Observed>, Error> {
@@ -317,14 +343,9 @@ fn refined<C: CentralModel + Adjustable + Clone>(
             break;
         }
         let found = task.minimise(&frame);
-        let same = |s: &Minimised<Frame<C>>| {
-            let turn = s
-                .sensor
-                .exterior
-                .camera_from_world()
-                .rotation_to(&found.sensor.exterior.camera_from_world());
-            turn.angle() < 1e-5
-        };
+        let rotation = |s: &Frame<C>| *s.exterior.camera_from_world().matrix();
+        let same =
+            |s: &Minimised<Frame<C>>| (rotation(&s.sensor) - rotation(&found.sensor)).norm() < 1e-5;
         if !solutions.iter().any(same) {
             solutions.push(found);
         }

@@ -19,7 +19,7 @@ use crate::numeric::float;
 use crate::numeric::least_squares::{Convergence, Damped, NormalEquations, Problem, minimise};
 
 /// A control point with its precisions as matrices.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Observed {
     pub(super) object: Point3<f64>,
     pub(super) image: Point2<f64>,
@@ -85,6 +85,17 @@ impl Observed {
             object = next;
         }
         Err(ProjectionError::NotFinite)
+    }
+
+    /// vᵀPv of the point for a sensor, infinite where it has no image.
+    pub(super) fn squared<S: SensorModel>(&self, sensor: &S) -> f64 {
+        self.settle(sensor).map_or(f64::INFINITY, |settled| settled.squared())
+    }
+
+    /// vᵀPv for an image by some sensor, the object point taken as free of error.
+    #[inline]
+    pub(super) fn squared_from(&self, image: Point2<f64>) -> f64 {
+        self.without_spread(image).squared()
     }
 
     /// The point as it is, for its image by the sensor.

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::object_space::ObjectSpace;
 use super::solve::Observed;
+use crate::adjust::p3p;
 use crate::camera::{CentralModel, ExteriorOrientation};
 use crate::error::Error;
 use crate::geometry::rotation::orthonormalised;
@@ -49,17 +50,35 @@ pub(super) fn poses<C: CentralModel>(
     }
     // The heaviest point has weight one, so that no weight leaves the numbers.
     let most = sights.iter().map(|s| s.2).fold(0.0, f64::max);
-    let scaled = sights.into_iter().map(|(x, f, w)| (x, f, w / most));
+    let scaled = sights.iter().map(|(x, f, w)| (*x, *f, w / most));
     let space = ObjectSpace::new(scaled).ok_or(NO_SIGHT)?;
-    space
-        .minima()
-        .iter()
-        .map(|minimum| {
-            let rotation = orthonormalised(&minimum.rotation)?;
-            let translation = space.translation(rotation.matrix()) * size;
-            Ok(ExteriorOrientation::new(center - rotation.inverse() * translation, rotation))
-        })
-        .collect()
+    let mut poses = Vec::new();
+    for minimum in space.minima() {
+        let rotation = orthonormalised(&minimum.rotation)?;
+        let translation = space.translation(rotation.matrix()) * size;
+        poses.push(ExteriorOrientation::new(center - rotation.inverse() * translation, rotation));
+    }
+    if points.len() <= FEW {
+        poses.extend(from_triples(points, &sights));
+    }
+    Ok(poses)
+}
+
+/// Up to so many points the poses of their triples are tried too: minima lie close together then.
+const FEW: usize = 6;
+
+/// Every pose from three of the points, for each three neighbours in a ring: every point is left out at least once.
+fn from_triples(
+    points: &[Observed],
+    sights: &[(Vector3<f64>, Vector3<f64>, f64)],
+) -> impl Iterator<Item = ExteriorOrientation> {
+    let n = points.len();
+    (0..n).flat_map(move |i| {
+        let three = [i, (i + 1) % n, (i + 2) % n];
+        let roots = p3p(&three.map(|k| points[k].object), &three.map(|k| sights[k].1));
+        let poses = roots.into_iter().flatten();
+        poses.map(|pose| ExteriorOrientation::new(pose.origin, pose.rotation))
+    })
 }
 
 /// The centre of the object points and their root mean square distance from it; refuses points on a line.
