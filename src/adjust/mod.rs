@@ -10,6 +10,7 @@ mod five_point;
 mod intersection;
 mod p3p;
 mod precision;
+mod relative_orientation;
 mod report;
 mod resection;
 mod settle;
@@ -25,6 +26,10 @@ pub use intersection::{
 };
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
+pub use relative_orientation::{
+    ImagePair, RelativeOrientation, RelativeOrientationOptions, RobustRelativeOrientation,
+    relative_orientation, relative_orientation_robust,
+};
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
 pub use resection::{
     ControlPoint, OtherPose, Resection, ResectionOptions, RobustResection, resect, resect_from,

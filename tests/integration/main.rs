@@ -36,6 +36,7 @@ mod polynomial;
 mod pose;
 mod projection;
 mod rays;
+mod relative_orientation;
 mod resample;
 mod rotation;
 mod rows;
