@@ -4,7 +4,7 @@
 
 use std::hint::black_box;
 
-use collinear::adjust::p3p;
+use collinear::adjust::{five_point, p3p};
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -43,5 +43,30 @@ fn minimal(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, minimal);
+/// Five points before two cameras, the second a unit away and turned.
+fn fives() -> Vec<([Vector3<f64>; 5], [Vector3<f64>; 5])> {
+    let mut next = uniform();
+    (0..256)
+        .map(|_| {
+            let mut vector = || Vector3::new(next(), next(), next());
+            let (turn, base) = (Rotation3::new(vector()), vector().normalize());
+            let seen = [0; 5].map(|_| 2.0 * vector() + Vector3::new(0.0, 0.0, 4.5));
+            (seen, seen.map(|s| turn * (s - base)))
+        })
+        .collect()
+}
+
+fn relative(c: &mut Criterion) {
+    let fives = fives();
+    let mut i = 0;
+    c.bench_function("five points", |b| {
+        b.iter(|| {
+            i = (i + 1) & 255;
+            let (first, second) = &fives[i];
+            five_point(black_box(first), black_box(second)).expect("five pairs")
+        });
+    });
+}
+
+criterion_group!(benches, minimal, relative);
 criterion_main!(benches);

@@ -6,9 +6,11 @@
 
 mod absolute_orientation;
 mod dlt;
+mod five_point;
 mod intersection;
 mod p3p;
 mod precision;
+mod relative_orientation;
 mod report;
 mod resection;
 mod settle;
@@ -18,11 +20,16 @@ pub use absolute_orientation::{
     AbsoluteOrientation, AbsoluteOrientationOptions, PointPair, absolute_orientation,
 };
 pub use dlt::{DltCamera, dlt};
+pub use five_point::{MotionRoots, five_point};
 pub use intersection::{
     ImageObservation, Intersection, IntersectionOptions, NearestPoint, intersect, nearest_point,
 };
 pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
+pub use relative_orientation::{
+    ImagePair, RelativeOrientation, RelativeOrientationOptions, RobustRelativeOrientation,
+    relative_orientation, relative_orientation_robust,
+};
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
 pub use resection::{
     ControlPoint, OtherPose, Resection, ResectionOptions, RobustResection, resect, resect_from,

@@ -153,7 +153,7 @@ struct Scene {
 }
 
 /// A unit vector along a finite one.
-fn unit_vector(v: &Vector3<f64>) -> Result<Vector3<f64>, Error> {
+pub(super) fn unit_vector(v: &Vector3<f64>) -> Result<Vector3<f64>, Error> {
     if !v.iter().all(|c| c.is_finite()) {
         return Err(Error::NotFinite { what: "direction" });
     }

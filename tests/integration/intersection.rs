@@ -239,6 +239,9 @@ fn a_loss_leaves_a_wrong_match_out() {
         IntersectionOptions { loss: RobustLoss::Cauchy { scale: 0.1 }, ..Default::default() };
     let found = intersect(&seen, &robust).unwrap();
     assert!((found.point - truth).norm() < 0.01, "{}", found.point);
+    // Weights of the loss are variances to the report: the redundancy numbers still add up.
+    assert!((found.report.redundancy_sum() - 9.0).abs() < 1e-9);
+    assert!(found.report.values[4].redundancy > 0.99);
 }
 
 #[test]
