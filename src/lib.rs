@@ -88,6 +88,8 @@ extern crate std;
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("collinear needs float functions: enable the feature `std` (default) or `libm`");
 
+#[cfg(feature = "std")]
+pub mod adjust;
 pub mod camera;
 pub mod error;
 pub mod geometry;

@@ -8,6 +8,8 @@
 //! damped system. A problem of few unknowns keeps [`NormalEquations`]; one with millions of observations can eliminate
 //! its points first. The damping follows Nielsen (1999), Damping parameter in Marquardt's method, eq. 2.21.
 
+use core::ops::ControlFlow;
+
 use nalgebra::{SMatrix, SVector};
 
 use super::float;
@@ -58,6 +60,8 @@ pub struct LeastSquaresOptions {
     pub gradient_tolerance: f64,
     /// Converged when a step is shorter than this, relative to the unknowns.
     pub step_tolerance: f64,
+    /// Converged after a step of which the linearisation foretold a decrease below this fraction of the cost.
+    pub decrease_tolerance: f64,
     /// The first damping λ.
     pub initial_damping: f64,
 }
@@ -68,15 +72,27 @@ impl Default for LeastSquaresOptions {
             max_iterations: 100,
             gradient_tolerance: 1e-14,
             step_tolerance: 1e-15,
+            decrease_tolerance: 0.0,
             initial_damping: 1e-4,
         }
     }
 }
 
+/// Where a minimisation is, told after each step that decreased the cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Linearisations done.
+    pub iterations: u32,
+    /// The cost reached.
+    pub cost: f64,
+    /// The damping λ of the next step.
+    pub damping: f64,
+}
+
 /// How a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
-    /// Whether a tolerance was met; `false` means the iterations ran out or no step decreased the cost.
+    /// Whether a tolerance was met; `false` means the iterations ran out, no step decreased the cost, or the caller stopped it.
     pub converged: bool,
     /// Linearisations done.
     pub iterations: u32,
@@ -131,6 +147,18 @@ pub fn minimise<P: Problem>(
     linear: &mut P::Linear,
     options: &LeastSquaresOptions,
 ) -> (P::State, Convergence) {
+    minimise_watched(problem, start, linear, options, |_, _| ControlFlow::Continue(()))
+}
+
+/// [`minimise`] with a watcher, which is told of each step and may end the work: the state returned is then the best one met,
+/// and not converged.
+pub fn minimise_watched<P: Problem>(
+    problem: &P,
+    start: P::State,
+    linear: &mut P::Linear,
+    options: &LeastSquaresOptions,
+    mut watch: impl FnMut(&P::State, &Progress) -> ControlFlow<()>,
+) -> (P::State, Convergence) {
     let mut state = start;
     let mut cost = problem.cost(&state);
     let initial_cost = cost;
@@ -170,7 +198,9 @@ pub fn minimise<P: Problem>(
                 let shrink = 1.0 - (2.0 * gain - 1.0) * (2.0 * gain - 1.0) * (2.0 * gain - 1.0);
                 damping *= shrink.max(1.0 / 3.0);
                 growth = 2.0;
-                break Some((candidate, candidate_cost, damped.relative_length));
+                let last = damped.predicted_decrease <= options.decrease_tolerance * cost
+                    || damped.relative_length <= options.step_tolerance;
+                break Some((candidate, candidate_cost, last));
             }
             if damped.relative_length <= options.step_tolerance
                 || damped.predicted_decrease <= 4.0 * f64::EPSILON * cost
@@ -185,11 +215,15 @@ pub fn minimise<P: Problem>(
                 break None;
             }
         };
-        let Some((candidate, candidate_cost, length)) = moved else { break };
+        let Some((candidate, candidate_cost, last)) = moved else { break };
         state = candidate;
         cost = candidate_cost;
-        if length <= options.step_tolerance {
+        if last {
             report.converged = true;
+            break;
+        }
+        let progress = Progress { iterations: report.iterations, cost, damping };
+        if watch(&state, &progress).is_break() {
             break;
         }
     }
