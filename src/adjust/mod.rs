@@ -4,6 +4,7 @@
 //! observations' covariance: the maximum-likelihood answer where errors are normal. What it found comes with a
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 
+pub mod bundle;
 mod precision;
 mod report;
 mod unknowns;
