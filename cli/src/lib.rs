@@ -5,6 +5,7 @@
 //! | `collinear render` | [`render::render_scene`] |
 //! | `collinear rectify` | [`rectify::Rectification`] |
 //! | `collinear reproject` | [`reproject::photograph_from_screen`], [`lookup::Lookup`] |
+//! | `collinear resect` | [`resect::run`], [`residuals::to_svg`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |
@@ -18,9 +19,12 @@ pub mod overlay;
 mod photograph;
 mod picture;
 pub mod project;
+mod protocol;
 pub mod rectify;
 pub mod render;
 pub mod reproject;
+pub mod resect;
+pub mod residuals;
 pub mod rpc;
 
 pub use picture::{LARGEST_AREA, LARGEST_SIDE, check_size};

@@ -4,6 +4,8 @@ mod lens;
 mod plain;
 mod raw;
 
+use std::path::Path;
+
 use collinear::camera::{COLMAP_MODELS, Panorama};
 use serde::{Deserialize, Serialize};
 
@@ -162,7 +164,69 @@ impl Document for CameraFile {
     }
 }
 
+/// A camera file whose camera may have no place yet.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct UnplacedCamera {
+    width: u32,
+    height: u32,
+    interior: Interior,
+    #[serde(default)]
+    exterior: Option<Exterior>,
+}
+
+impl UnplacedCamera {
+    fn placed(&self) -> CameraFile {
+        let nowhere = Exterior {
+            projection_center: [0.0; 3],
+            rotation: Rotation::QuaternionWxyz([1.0, 0.0, 0.0, 0.0]),
+        };
+        CameraFile {
+            width: self.width,
+            height: self.height,
+            interior: self.interior.clone(),
+            exterior: self.exterior.clone().unwrap_or(nowhere),
+        }
+    }
+}
+
+impl Document for UnplacedCamera {
+    const KIND: &'static str = CameraFile::KIND;
+    const VERSION: u64 = CameraFile::VERSION;
+
+    fn check(&self) -> Result<(), FieldError> {
+        self.placed().check()
+    }
+}
+
 impl CameraFile {
+    /// Reads a camera whose `exterior` may be missing, as one that is still to be oriented: it then stands in the origin.
+    ///
+    /// # Errors
+    /// As [`Document::read`].
+    pub fn read_without_exterior(path: &Path) -> Result<Self, Error> {
+        Ok(UnplacedCamera::read(path)?.placed())
+    }
+
+    /// As [`read_without_exterior`](Self::read_without_exterior), from text.
+    ///
+    /// ```
+    /// use collinear_io::camera::CameraFile;
+    ///
+    /// let camera = CameraFile::parse_without_exterior(
+    ///     r#"{ "collinear": "camera", "version": 1, "width": 640, "height": 480,
+    ///     "interior": { "model": "pinhole", "principal_distance": [500, 500], "principal_point": [320, 240] } }"#,
+    /// )?;
+    /// assert_eq!(camera.exterior.projection_center, [0.0; 3]);
+    /// # Ok::<(), collinear_io::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_without_exterior(text: &str) -> Result<Self, Error> {
+        Ok(UnplacedCamera::parse(text)?.placed())
+    }
+
     /// Refuses a picture of another size than the camera's.
     ///
     /// # Errors

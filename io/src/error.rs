@@ -424,6 +424,14 @@ pub enum LineProblem {
         /// What stands there.
         text: String,
     },
+    /// A number that should be above zero.
+    #[error("{name} is {text}, expected a number above 0")]
+    NotPositive {
+        /// The column's name.
+        name: String,
+        /// What stands there.
+        text: String,
+    },
     /// A line with more or fewer fields than the table has columns.
     #[error("has {found} fields, expected {expected}")]
     FieldCount {

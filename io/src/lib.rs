@@ -18,6 +18,7 @@
 //! | photographs with cameras, out of any of these | [`photographs`] | the content says which |
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
+//! | control points with their images and precisions | [`control`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
 //! | rational polynomial cameras | [`rpc`] | JSON, RPB, `_RPC.TXT`, DIMAP XML, GDAL's XML, OSSIM `.geom`, GeoTIFF |
 //! | geoid undulations | [`gtx`] | GTX |
@@ -59,6 +60,7 @@ pub mod blender;
 pub mod bundler;
 pub mod camera;
 pub mod colmap;
+pub mod control;
 pub mod convert;
 pub mod dome;
 pub mod gltf;

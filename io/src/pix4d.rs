@@ -24,7 +24,8 @@
 
 use std::fmt::Write as _;
 
-use collinear::nalgebra::{Matrix3, Vector3};
+use collinear::Frame;
+use collinear::nalgebra::{Matrix3, Matrix3x4, Point3, Vector3};
 
 use crate::camera::{CameraFile, Exterior, Interior, Rotation};
 use crate::check::finite;
@@ -411,37 +412,24 @@ pub fn parse_pmatrix(text: &str, size: [u32; 2]) -> Result<Vec<(String, CameraFi
     Ok(photographs)
 }
 
-/// K and R by orthogonalisation of M = K R from its last row upwards, t = −M⁻¹ p₄. The sign of P is that which makes det M
-/// positive.
+/// P = K (R | −R t) taken apart.
 fn taken_apart(p: &[f64; 12], [width, height]: [u32; 2]) -> Option<CameraFile> {
-    let column = Vector3::new(p[3], p[7], p[11]);
-    let m = Matrix3::new(p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]);
-    let scale = m.row(2).norm().copysign(m.determinant());
-    let m = m / scale;
-    let center = -(m.try_inverse()? * (column / scale));
-    let [a, b, c] = [0, 1, 2].map(|i| m.row(i).transpose());
-    let cy = b.dot(&c);
-    let across = b - c * cy;
-    let fy = across.norm();
-    let second = across / fy;
-    let (skew, cx) = (a.dot(&second), a.dot(&c));
-    let across = a - second * skew - c * cx;
-    let fx = across.norm();
-    let first = across / fx;
-    let all = [fx, fy, cx, cy, skew, first.x, second.x, center.x, center.y, center.z];
-    finite("P", &all).ok()?;
+    let matrix = Matrix3x4::from_row_slice(p);
+    let Frame { exterior, camera } =
+        Frame::from_projection_matrix(&matrix, &Point3::origin()).ok()?;
+    let (center, rotation) = (exterior.projection_center(), exterior.camera_from_world());
     Some(CameraFile {
         width,
         height,
         interior: Interior::Pinhole {
-            principal_distance: [fx, fy],
-            principal_point: [cx, cy],
+            principal_distance: camera.principal_distance(),
+            principal_point: camera.principal_point().into(),
             // Pixels of x for each unit of y, as in K.
-            skew,
+            skew: camera.skew(),
         },
         exterior: Exterior {
             projection_center: center.into(),
-            rotation: Rotation::RotationMatrix([first.into(), second.into(), c.into()]),
+            rotation: Rotation::RotationMatrix(rotation.matrix().transpose().into()),
         },
     })
 }

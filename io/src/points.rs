@@ -156,7 +156,7 @@ pub fn parse_image_points(text: &str) -> Result<Vec<ImagePointRow>, Error> {
 }
 
 /// Reads a table whose columns are known by their header, or by the fields of its first line.
-fn table<C, R>(
+pub(crate) fn table<C, R>(
     text: &str,
     without_header: impl Fn(&[String]) -> Option<C>,
     named: impl Fn(usize, &[String]) -> Result<C, Error>,
@@ -396,7 +396,7 @@ impl ImageColumns {
 }
 
 /// The place of a column in the header, from 0.
-fn find(line: usize, header: &[String], name: &str) -> Result<Option<usize>, Error> {
+pub(crate) fn find(line: usize, header: &[String], name: &str) -> Result<Option<usize>, Error> {
     let mut places = header.iter().enumerate().filter(|(_, h)| *h == name).map(|(i, _)| i);
     let place = places.next();
     match places.next() {
@@ -408,13 +408,13 @@ fn find(line: usize, header: &[String], name: &str) -> Result<Option<usize>, Err
 }
 
 /// A line's fields and its number.
-struct Line<'a> {
+pub(crate) struct Line<'a> {
     number: usize,
     fields: &'a [String],
 }
 
 impl<'a> Line<'a> {
-    fn new(number: usize, fields: &'a [String], expected: usize) -> Result<Self, Error> {
+    pub(crate) fn new(number: usize, fields: &'a [String], expected: usize) -> Result<Self, Error> {
         let found = fields.len();
         if found == expected {
             Ok(Self { number, fields })
@@ -423,15 +423,15 @@ impl<'a> Line<'a> {
         }
     }
 
-    fn text(&self, place: usize) -> &'a str {
+    pub(crate) fn text(&self, place: usize) -> &'a str {
         self.fields.get(place).map_or("", String::as_str)
     }
 
-    fn named(&self, place: Option<usize>) -> Option<String> {
+    pub(crate) fn named(&self, place: Option<usize>) -> Option<String> {
         place.map(|p| self.text(p)).filter(|t| !t.is_empty()).map(ToOwned::to_owned)
     }
 
-    fn value(&self, place: usize, name: &str) -> Result<f64, Error> {
+    pub(crate) fn value(&self, place: usize, name: &str) -> Result<f64, Error> {
         let text = self.text(place);
         match text.parse::<f64>() {
             Ok(v) if v.is_finite() => Ok(v),
@@ -443,7 +443,7 @@ impl<'a> Line<'a> {
     }
 
     /// Both coordinates, or neither.
-    fn image(&self, [x, y]: [usize; 2]) -> Result<Option<[f64; 2]>, Error> {
+    pub(crate) fn image(&self, [x, y]: [usize; 2]) -> Result<Option<[f64; 2]>, Error> {
         match (self.text(x).is_empty(), self.text(y).is_empty()) {
             (true, true) => Ok(None),
             (false, false) => Ok(Some([self.value(x, "x")?, self.value(y, "y")?])),

@@ -4,11 +4,29 @@
 //! observations' covariance: the maximum-likelihood answer where errors are normal. What it found comes with a
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 
+mod absolute_orientation;
 pub mod bundle;
+mod dlt;
+mod intersection;
+mod p3p;
 mod precision;
 mod report;
+mod resection;
+mod settle;
 mod unknowns;
 
+pub use absolute_orientation::{
+    AbsoluteOrientation, AbsoluteOrientationOptions, PointPair, absolute_orientation,
+};
+pub use dlt::{DltCamera, dlt};
+pub use intersection::{
+    ImageObservation, Intersection, IntersectionOptions, NearestPoint, intersect, nearest_point,
+};
+pub use p3p::{PoseRoots, p3p};
 pub use precision::Precision;
 pub use report::{CRITICAL_VALUE, NONCENTRALITY, ObservationReport, Report};
+pub use resection::{
+    ControlPoint, OtherPose, Resection, ResectionOptions, RobustResection, resect, resect_from,
+    resect_robust,
+};
 pub use unknowns::Unknown;

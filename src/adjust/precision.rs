@@ -78,7 +78,12 @@ impl<const N: usize> Precision<N> {
 }
 
 /// The inverse of a covariance matrix that [`Precision::covariance`] has checked.
+#[inline]
 pub(super) fn inverse<const N: usize>(covariance: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    let diagonal = (0..N).all(|i| (0..i).all(|j| covariance[(i, j)] == 0.0));
+    if diagonal {
+        return SMatrix::from_fn(|i, j| if i == j { 1.0 / covariance[(i, i)] } else { 0.0 });
+    }
     let scale = covariance.diagonal().map(|d| 1.0 / float::sqrt(d));
     let unit = covariance.component_mul(&(scale * scale.transpose()));
     let inverse: OMatrix<f64, Const<N>, Const<N>> = match unit.cholesky() {

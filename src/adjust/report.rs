@@ -2,9 +2,10 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::precision::inverse;
+use crate::error::Error;
 use crate::numeric::float;
 use crate::numeric::least_squares::Convergence;
 
@@ -119,16 +120,16 @@ pub struct ObservationReport {
 /// Below this an observation counts as controlled by nothing: rounding of 1 − a·Q·a.
 const UNCONTROLLED: f64 = 1e-11;
 
-/// The reports of `N` correlated numbers: A Q Aᵀ, the cofactors of what was computed for them; their covariance Σ = P⁻¹ a
-/// priori; their residuals; s. A robust weight ρ′ enters as a covariance that is larger by 1/ρ′.
+/// The reports of `N` correlated numbers: Qᵥᵥ, the cofactors of their residuals; their covariance Σ = P⁻¹ a priori; the
+/// residuals; s. A robust weight ρ′ enters as a covariance that is larger by 1/ρ′.
+#[inline]
 pub(super) fn observed<const N: usize>(
-    explained: &SMatrix<f64, N, N>,
+    unexplained: &SMatrix<f64, N, N>,
     covariance: &SMatrix<f64, N, N>,
-    residual: [f64; N],
+    residual: &SVector<f64, N>,
     sigma: f64,
 ) -> [ObservationReport; N] {
     let weight = inverse(covariance);
-    let unexplained = covariance - explained;
     let reduced = unexplained * weight;
     let tested = weight * reduced;
     core::array::from_fn(|i| {
@@ -154,18 +155,28 @@ pub(super) fn observed<const N: usize>(
     })
 }
 
-/// Q of a normal matrix, with the condition of the matrix scaled to a unit diagonal; `None` where it is not positive
-/// definite.
-pub(super) fn cofactor(normal: &DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
+/// Q of a normal matrix, with the condition of the matrix scaled to a unit diagonal.
+pub(super) fn cofactor(normal: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), Error> {
     let n = normal.nrows();
     let scale: Vec<f64> = (0..n).map(|i| 1.0 / float::sqrt(normal[(i, i)])).collect();
     let unit = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] * scale[i] * scale[j]);
-    let inverse = unit.clone().cholesky()?.inverse();
     let norm = |m: &DMatrix<f64>| {
         (0..n).map(|j| m.column(j).iter().map(|v| v.abs()).sum()).fold(0.0, f64::max)
     };
-    let condition = norm(&unit) * norm(&inverse);
-    condition
-        .is_finite()
-        .then(|| (DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]), condition))
+    let inverse = unit.clone().cholesky().map(|c| c.inverse());
+    let condition = inverse.as_ref().map_or(f64::INFINITY, |i| norm(&unit) * norm(i));
+    let measure = 1.0 / condition;
+    match inverse.filter(|_| measure > LEAST_CONDITION) {
+        Some(inverse) => {
+            Ok((DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]), condition))
+        }
+        None => Err(Error::Degenerate {
+            what: "normal equations: the observations do not determine the unknowns",
+            measure: if measure > 0.0 { measure } else { 0.0 },
+            limit: LEAST_CONDITION,
+        }),
+    }
 }
+
+/// One over the largest condition of normal equations whose inverse has a digit left.
+const LEAST_CONDITION: f64 = 1e-15;

@@ -84,6 +84,7 @@ pub(super) struct Columns {
     pub(super) list: Vec<Column>,
     /// The length of each group of the model.
     pub(super) lengths: Vec<usize>,
+    whole: Option<usize>,
 }
 
 impl Columns {
@@ -134,7 +135,11 @@ impl Columns {
                 Which::Together(indices) => column(indices)?,
             }
         }
-        let columns = Self { list, lengths };
+        let whole = match unknowns {
+            [Unknown { group, which: Which::All, .. }] => Some(*group),
+            _ => None,
+        };
+        let columns = Self { list, lengths, whole };
         columns.check_distinct()?;
         Ok(columns)
     }
@@ -158,9 +163,20 @@ impl Columns {
         self.list.len()
     }
 
+    /// The number of unknowns whose start is observed.
+    pub(super) fn observed(&self) -> usize {
+        self.list.iter().filter(|c| c.weight > 0.0).count()
+    }
+
     /// Whether an unknown moves the group.
     pub(super) fn uses(&self, group: usize) -> bool {
         self.list.iter().any(|c| c.group == group)
+    }
+
+    /// The group whose `N` parameters are the unknowns, all of them and in order.
+    #[inline]
+    pub(super) fn whole_group<const N: usize>(&self) -> Option<usize> {
+        self.whole.filter(|group| self.lengths[*group] == N)
     }
 
     /// The derivative of row `row` of a group's partials (rows of the group's length) by unknown `k`.
@@ -168,7 +184,11 @@ impl Columns {
     pub(super) fn derivative(&self, k: usize, row: usize, partials: &[f64]) -> f64 {
         let column = &self.list[k];
         let len = self.lengths[column.group];
-        column.moves.iter().map(|(i, factor)| partials[row * len + i] * factor).sum()
+        match column.moves.as_slice() {
+            // What nearly every unknown is, without a sum.
+            [(i, factor)] => partials[row * len + i] * factor,
+            moves => moves.iter().map(|(i, factor)| partials[row * len + i] * factor).sum(),
+        }
     }
 
     /// The present value of the first parameter that unknown `k` moves.

@@ -140,6 +140,7 @@ impl ExteriorOrientation {
 
     /// The whole as a rigid motion, camera_from_world.
     #[must_use]
+    #[inline]
     pub fn pose(&self) -> &Pose {
         &self.pose
     }
@@ -171,6 +172,7 @@ impl ExteriorOrientation {
 pub(super) const EXTERIOR: ParameterGroup = ParameterGroup { name: "exterior orientation", len: 6 };
 
 /// ∂(x, y) by the group, two rows of six, where the slice has their length: by the centre the opposite of that by the world.
+#[inline]
 pub(super) fn write_partials(by_world: &Matrix2x3<f64>, by_turn: &Matrix2x3<f64>, out: &mut [f64]) {
     if out.len() != 2 * EXTERIOR.len {
         return;

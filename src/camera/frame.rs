@@ -1,6 +1,6 @@
 //! The frame camera: one exposure from one place.
 
-use nalgebra::{Matrix2x3, Point2, Point3};
+use nalgebra::{Matrix2x3, Matrix3, Matrix3x4, Point2, Point3};
 
 use super::exterior::{self, EXTERIOR};
 use super::interior::InteriorOrientation;
@@ -9,6 +9,7 @@ use super::{
     HomogeneousCamera, ParameterGroup, SensorModel, collinearity, parameters,
 };
 use crate::error::{Error, ProjectionError};
+use crate::geometry::rotation::orthonormalised;
 use crate::geometry::{Locus, Ray};
 
 /// A photograph taken from one place: an exterior orientation and a central model.
@@ -66,6 +67,75 @@ impl Frame<InteriorOrientation> {
     pub fn homogeneous(&self) -> HomogeneousCamera {
         HomogeneousCamera::perspective(&self.exterior, &self.camera)
     }
+
+    /// The camera of a projection matrix, (x w, y w, w)ᵀ ∝ P (X − O, 1)ᵀ for object points about the `origin` O.
+    ///
+    /// ```text
+    /// P = (M | p) = λ K R (I | O − C),    C = O − M⁻¹ p
+    /// ```
+    ///
+    /// K and R are the triangular and the orthogonal factor of M, made orthogonal from the last row upwards. Of P and −P, which are the
+    /// same map, the one with det M > 0 is taken, whose K has positive principal distances; points that must be in front but then
+    /// are behind belong to a mirrored picture.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::Degenerate`] where M is singular, as of a parallel projection. The measure is |det M| over the
+    /// product of the lengths of its rows.
+    ///
+    /// # Example
+    /// P of a camera at (1, 2, 3) with the axes of the world, fx = 800, fy = 900, s = 2, x₀ = 320, y₀ = 240, multiplied by −2:
+    /// ```
+    /// use collinear::Frame;
+    /// use collinear::nalgebra::{Matrix3x4, Point2, Point3};
+    ///
+    /// let p = -2.0 * Matrix3x4::new(
+    ///     800.0, 2.0, 320.0, -1764.0, // 800 · 1 + 2 · 2 + 320 · 3
+    ///     0.0, 900.0, 240.0, -2520.0,
+    ///     0.0, 0.0, 1.0, -3.0,
+    /// );
+    /// let frame = Frame::from_projection_matrix(&p, &Point3::origin())?;
+    /// assert!((frame.exterior.projection_center() - Point3::new(1.0, 2.0, 3.0)).norm() < 1e-13);
+    /// assert!((frame.camera.skew() - 2.0).abs() < 1e-12);
+    /// assert!((frame.camera.principal_point() - Point2::new(320.0, 240.0)).norm() < 1e-12);
+    /// # Ok::<(), collinear::Error>(())
+    /// ```
+    #[doc(alias("decomposeProjectionMatrix", "RQ decomposition"))]
+    pub fn from_projection_matrix(p: &Matrix3x4<f64>, origin: &Point3<f64>) -> Result<Self, Error> {
+        if !p.iter().chain(origin.iter()).all(|e| e.is_finite()) {
+            return Err(Error::NotFinite { what: "projection matrix" });
+        }
+        let m = p.fixed_columns::<3>(0).into_owned();
+        let [a, b, c] = [0, 1, 2].map(|i| m.row(i).transpose());
+        let lengths = [a.norm(), b.norm(), c.norm()];
+        // Rows of unit length: the determinant is their volume, and overflows nowhere.
+        let [a1, b1, c1] = [a / lengths[0], b / lengths[1], c / lengths[2]];
+        let volume = a1.cross(&b1).dot(&c1);
+        let (measure, limit) = (volume.abs(), 8.0 * f64::EPSILON);
+        if !(measure > limit) {
+            let what = "projection matrix";
+            let measure = if measure > 0.0 { measure } else { 0.0 };
+            return Err(Error::Degenerate { what, measure, limit });
+        }
+        let scale = lengths[2].copysign(volume);
+        let [a, b, third] = [a, b, c].map(|row| row / scale);
+        let y0 = b.dot(&third);
+        let across = b - third * y0;
+        let fy = across.norm();
+        let second = across / fy;
+        let (skew, x0) = (a.dot(&second), a.dot(&third));
+        let across = a - second * skew - third * x0;
+        let fx = across.norm();
+        let rows = [across / fx, second, third].map(|r| r.transpose());
+        let rotation = orthonormalised(&Matrix3::from_rows(&rows))?;
+        let interior = InteriorOrientation::new([fx, fy], Point2::new(x0, y0), skew)?;
+        // C from K R (C − O) = −p, by the factors.
+        let in_camera = interior.inverse_matrix() * (p.column(3) / -scale);
+        let center = origin + rotation.inverse() * in_camera;
+        if !center.iter().all(|e| e.is_finite()) {
+            return Err(Error::NotFinite { what: "projection centre" });
+        }
+        Ok(Self::new(ExteriorOrientation::new(center, rotation), interior))
+    }
 }
 
 impl<D: Distortion> Frame<CentralCamera<Gnomonic, D>> {
@@ -77,10 +147,12 @@ impl<D: Distortion> Frame<CentralCamera<Gnomonic, D>> {
 }
 
 impl<C: CentralModel> SensorModel for Frame<C> {
+    #[inline]
     fn project(&self, world: &Point3<f64>) -> Result<Point2<f64>, ProjectionError> {
         self.camera.project_direction(&self.exterior.pose().apply(world).coords)
     }
 
+    #[inline]
     fn project_jacobian(
         &self,
         world: &Point3<f64>,
@@ -123,6 +195,7 @@ impl<C: CentralModel + Adjustable> Adjustable for Frame<C> {
         Ok(())
     }
 
+    #[inline]
     fn partials(
         &self,
         object: &Point3<f64>,

@@ -252,11 +252,13 @@ impl InteriorOrientation {
     }
 
     /// ∂pixel/∂normalised.
+    #[inline]
     pub(super) fn axes(&self) -> Matrix2<f64> {
         self.axes
     }
 
     /// Writes ∂(x, y)/∂(fx, fy, x₀, y₀, s) at a normalised point, two rows of five.
+    #[inline]
     pub(super) fn write_partials(normalised: &Point2<f64>, out: &mut [f64]) {
         let rows = [normalised.x, 0.0, 1.0, 0.0, normalised.y, 0.0, normalised.y, 0.0, 1.0, 0.0];
         for (o, v) in out.iter_mut().zip(rows) {
@@ -295,11 +297,13 @@ impl InteriorOrientation {
 }
 
 impl CentralModel for InteriorOrientation {
+    #[inline]
     fn project_direction(&self, direction: &Vector3<f64>) -> Result<Point2<f64>, ProjectionError> {
         let n = collinearity::normalised_point(direction)?;
         collinearity::finite(self.pixel_from_normalised(&n))
     }
 
+    #[inline]
     fn project_direction_jacobian(
         &self,
         direction: &Vector3<f64>,
@@ -309,6 +313,7 @@ impl CentralModel for InteriorOrientation {
         Ok((p, self.axes * collinearity::normalised_jacobian(&n, direction.z)))
     }
 
+    #[inline]
     fn direction(&self, image: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
         let n = collinearity::finite(self.normalised_from_pixel(image))?;
         Ok(collinearity::unit_direction(&n))
@@ -337,6 +342,7 @@ impl Adjustable for InteriorOrientation {
         Ok(())
     }
 
+    #[inline]
     fn partials(
         &self,
         object: &Point3<f64>,
@@ -345,7 +351,7 @@ impl Adjustable for InteriorOrientation {
     ) -> Result<Point2<f64>, ProjectionError> {
         let (image, jacobian) = self.project_direction_jacobian(&object.coords)?;
         collinearity::write_rows(&jacobian, by_object);
-        if let Some(out) = by_group.first_mut() {
+        if let Some(out) = by_group.first_mut().filter(|out| !out.is_empty()) {
             Self::write_partials(&collinearity::normalised_point(&object.coords)?, out);
         }
         Ok(image)

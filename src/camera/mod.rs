@@ -18,6 +18,7 @@ mod colmap;
 pub mod distortion;
 mod exterior;
 mod frame;
+mod held;
 mod homogeneous;
 mod interior;
 mod orthographic;
@@ -43,6 +44,7 @@ pub use distortion::{
 };
 pub use exterior::ExteriorOrientation;
 pub use frame::Frame;
+pub use held::Held;
 pub use homogeneous::HomogeneousCamera;
 pub use interior::InteriorOrientation;
 pub use orthographic::Orthographic;

@@ -13,6 +13,7 @@ pub(crate) mod pose;
 pub mod projection;
 mod ray;
 pub mod rotation;
+mod similarity;
 mod sphere;
 mod surface;
 
@@ -23,5 +24,6 @@ pub(crate) use plane::axes;
 pub use plane::{Plane, PlaneFit};
 pub use pose::Pose;
 pub use ray::{HeightCurve, Locus, Ray};
+pub use similarity::Similarity;
 pub use sphere::{Dome, Sphere};
 pub use surface::Surface;

@@ -64,6 +64,7 @@ impl Pose {
 
     /// A point into the `to` frame.
     #[must_use]
+    #[inline]
     pub fn apply(&self, from: &Point3<f64>) -> Point3<f64> {
         let r = self.rotation.matrix();
         let rows = [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]);

@@ -100,21 +100,27 @@ struct Scored<M> {
     score: f64,
 }
 
-fn score<E: Estimator>(estimator: &E, model: E::Model, threshold: f64) -> Scored<E::Model> {
+/// The score of a model; `None` as soon as it is not below `bar`.
+fn score<E: Estimator>(
+    estimator: &E,
+    model: E::Model,
+    threshold: f64,
+    bar: f64,
+) -> Option<Scored<E::Model>> {
     let limit = threshold * threshold;
-    let mut inliers = vec![false; estimator.len()];
-    let (mut count, mut score) = (0, 0.0);
-    for (index, inlier) in inliers.iter_mut().enumerate() {
-        let squared = estimator.squared_residual(&model, index);
-        if squared <= limit {
-            *inlier = true;
-            count += 1;
-            score += squared;
-        } else {
-            score += limit;
+    let mut score = 0.0;
+    for index in 0..estimator.len() {
+        score += estimator.squared_residual(&model, index).min(limit);
+        if !(score < bar) {
+            return None;
         }
     }
-    Scored { model, inliers, count, score }
+    // Few models come so far: who agrees is asked again.
+    let inliers: Vec<bool> = (0..estimator.len())
+        .map(|index| estimator.squared_residual(&model, index) <= limit)
+        .collect();
+    let count = inliers.iter().filter(|i| **i).count();
+    Some(Scored { model, inliers, count, score })
 }
 
 /// Searches for the model with the smallest truncated sum of squared residuals.
@@ -182,10 +188,10 @@ pub fn search<E: Estimator>(
         models.clear();
         estimator.minimal(&sample, &mut models);
         for model in models.drain(..) {
-            let candidate = score(estimator, model, options.threshold);
-            if best.as_ref().is_some_and(|b| candidate.score >= b.score) {
+            let bar = best.as_ref().map_or(f64::INFINITY, |b| b.score);
+            let Some(candidate) = score(estimator, model, options.threshold, bar) else {
                 continue;
-            }
+            };
             let improved = polish(estimator, candidate, options.threshold);
             needed_trials = trials_needed(improved.count, n, E::SAMPLE, options.confidence);
             best = Some(improved);
@@ -218,11 +224,8 @@ fn polish<E: Estimator>(
 ) -> Scored<E::Model> {
     for _ in 0..10 {
         let Some(refined) = estimator.refine(&current.model, &current.inliers) else { break };
-        let candidate = score(estimator, refined, threshold);
-        if candidate.score >= current.score {
-            break;
-        }
-        current = candidate;
+        let Some(better) = score(estimator, refined, threshold, current.score) else { break };
+        current = better;
     }
     current
 }

@@ -22,6 +22,46 @@ pub(crate) fn quadratic_roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
     Some(if x1 <= x2 { [x1, x2] } else { [x2, x1] })
 }
 
+/// Of the real roots of c₀ + c₁ x + c₂ x² + c₃ x³, c₃ ≠ 0, the one farthest from the mean of all three: it is simple where
+/// the other two coincide.
+///
+/// ```text
+/// x = t + m,  m = −c₂/(3 c₃):   t³ + p t + q = 0,   t has the sign of −q and the largest |t|
+/// ```
+///
+/// Newton's iteration from 2 √(−p/3), which bounds it where three roots are real, or from Cardano's formula.
+#[cfg(feature = "std")]
+pub(crate) fn outer_cubic_root([c0, c1, c2, c3]: [f64; 4]) -> f64 {
+    let (a, b, c) = (c2 / c3, c1 / c3, c0 / c3);
+    let mean = -a / 3.0;
+    let p = b + a * mean;
+    let q = c + mean * (b + mean * (a + mean));
+    let (third, half) = (p / 3.0, 0.5 * q.abs());
+    let discriminant = half * half + third * third * third;
+    let mut t = if discriminant <= 0.0 {
+        2.0 * (-third).sqrt()
+    } else {
+        let u = (half + discriminant.sqrt()).cbrt();
+        u - third / u
+    };
+    for _ in 0..12 {
+        let slope = 3.0 * t * t + p;
+        let step = (t * (t * t + p) - 2.0 * half) / slope;
+        if !(step.abs() <= 2.0 * t) {
+            break;
+        }
+        t -= step;
+        if step.abs() <= 1e-15 * t {
+            break;
+        }
+    }
+    let x = mean - t.copysign(q);
+    // Taking the mean off has rounded p and q: one step on the given polynomial.
+    let slope = b + x * (2.0 * a + 3.0 * x);
+    let corrected = x - (c + x * (b + x * (a + x))) / slope;
+    if (corrected - x).abs() <= 1e-6 * (x.abs() + mean.abs()) { corrected } else { x }
+}
+
 /// Value of the polynomial c₀ + c₁ x + c₂ x² + … (Horner).
 pub(crate) fn evaluate(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
@@ -93,6 +133,23 @@ mod tests {
         assert!((small - 1e-8).abs() < 2e-24 && (large - 99_999_999.999_999_99).abs() < 3e-8);
         assert!(quadratic_roots(1.0, 0.0, 1.0).is_none());
         assert!(quadratic_roots(f64::NAN, 0.0, 1.0).is_none());
+    }
+
+    #[cfg(feature = "std")]
+    #[test]
+    fn the_root_of_a_cubic_farthest_from_the_mean() {
+        for (coefficients, root) in [
+            ([-8.0, 14.0, -7.0, 1.0], 4.0),      // 1, 2, 4: mean 7/3
+            ([8.0, 14.0, 7.0, 1.0], -4.0),       // −1, −2, −4
+            ([-10.0, 22.0, -14.0, 2.0], 5.0),    // 1, 1, 5, twice
+            ([-3.0, 1.0, -3.0, 1.0], 3.0),       // 3, ±i
+            ([-8.0, 12.0, -6.0, 1.0], 2.0),      // 2, 2, 2
+            ([0.0, 1e6, 1e-3, 1e-9], 0.0),       // 0, and a complex pair
+            ([-1e-9, 1.0, -1e-12, 1e-12], 1e-9), // 10⁻⁹, and a complex pair of about 10⁶
+        ] {
+            let found = outer_cubic_root(coefficients);
+            assert!((found - root).abs() <= 4e-16 * f64::abs(root), "{coefficients:?} {found}");
+        }
     }
 
     #[test]

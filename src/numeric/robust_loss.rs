@@ -8,6 +8,7 @@ use super::float;
 /// squared    ρ = s
 /// Huber      ρ = s for s ≤ 1, 2√s − 1 beyond                    (Huber 1964)
 /// Cauchy     ρ = ln(1 + s)
+/// Tukey      ρ = (1 − (1 − s)³)/3 for s ≤ 1, 1/3 beyond            (biweight: Beaton & Tukey 1974)
 /// truncated  ρ = min(s, 1)                                       (MSAC: Torr & Zisserman 2000)
 /// ```
 ///
@@ -18,6 +19,8 @@ use super::float;
 ///
 /// // Huber (1964) at three scales: the weight is 1/3.
 /// assert!((RobustLoss::Huber { scale: 2.0 }.weight(36.0) - 1.0 / 3.0).abs() < 1e-15);
+/// // Tukey's biweight at half its scale: (1 − 1/4)².
+/// assert_eq!(RobustLoss::Tukey { scale: 2.0 }.weight(1.0), 0.5625);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[non_exhaustive]
@@ -33,6 +36,11 @@ pub enum RobustLoss {
     /// Logarithmic growth.
     Cauchy {
         /// The residual whose weight is one half, in the residual's units.
+        scale: f64,
+    },
+    /// A smooth descent to no growth at `scale`: 4.685 standard deviations leave 95 % of the efficiency of least squares.
+    Tukey {
+        /// The residual beyond which an observation has no say, in the residual's units.
         scale: f64,
     },
     /// No growth beyond `scale`: observations farther off have no say.
@@ -53,6 +61,10 @@ impl RobustLoss {
                 if s <= 1.0 { squared } else { scale * scale * (2.0 * float::sqrt(s) - 1.0) }
             }
             Self::Cauchy { scale } => scale * scale * float::ln(1.0 + squared / (scale * scale)),
+            Self::Tukey { scale } => {
+                let left = (1.0 - squared / (scale * scale)).max(0.0);
+                scale * scale * (1.0 - left * left * left) / 3.0
+            }
             Self::Truncated { scale } => squared.min(scale * scale),
         }
     }
@@ -67,6 +79,10 @@ impl RobustLoss {
                 if s <= 1.0 { 1.0 } else { 1.0 / float::sqrt(s) }
             }
             Self::Cauchy { scale } => 1.0 / (1.0 + squared / (scale * scale)),
+            Self::Tukey { scale } => {
+                let left = (1.0 - squared / (scale * scale)).max(0.0);
+                left * left
+            }
             Self::Truncated { scale } => f64::from(squared < scale * scale),
         }
     }

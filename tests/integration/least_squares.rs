@@ -303,10 +303,12 @@ fn losses_by_hand() {
         (RobustLoss::Squared, 36.0, 1.0),
         (RobustLoss::Huber { scale: 2.0 }, 20.0, 1.0 / 3.0),
         (RobustLoss::Cauchy { scale: 2.0 }, 4.0 * ln10, 0.1),
+        (RobustLoss::Tukey { scale: 2.0 }, 4.0 / 3.0, 0.0),
         (RobustLoss::Truncated { scale: 2.0 }, 4.0, 0.0),
         // Residual 6 within scale 12: s = 1/4.
         (RobustLoss::Huber { scale: 12.0 }, 36.0, 1.0),
         (RobustLoss::Cauchy { scale: 12.0 }, 144.0 * 1.25f64.ln(), 0.8),
+        (RobustLoss::Tukey { scale: 12.0 }, 27.75, 0.5625),
         (RobustLoss::Truncated { scale: 12.0 }, 36.0, 1.0),
     ] {
         assert!((loss.cost(36.0) - cost).abs() < 1e-13, "{loss:?} {}", loss.cost(36.0));
@@ -323,6 +325,7 @@ proptest! {
             RobustLoss::Squared,
             RobustLoss::Huber { scale },
             RobustLoss::Cauchy { scale },
+            RobustLoss::Tukey { scale },
             RobustLoss::Truncated { scale },
         ] {
             let slope = (loss.cost(squared + h) - loss.cost(squared - h)) / (2.0 * h);

@@ -10,20 +10,24 @@
     reason = "a test fails by panicking and says what it skips; helpers are shared within one binary; digits are as printed"
 )]
 
+mod absolute_orientation;
 mod affine;
 mod camera;
 mod camera_edges;
 mod central_models;
 mod consensus;
 mod contracts;
+mod dlt;
 mod extremes;
 mod geodetic;
 mod homography;
+mod intersection;
 mod layers;
 mod least_squares;
 mod mesh;
 mod orthophoto;
 mod output_models;
+mod p3p;
 mod plane;
 mod plane_map;
 mod plane_map_edges;

@@ -7,6 +7,7 @@ pub(crate) mod project;
 pub(crate) mod rectify;
 pub(crate) mod render;
 pub(crate) mod reproject;
+pub(crate) mod resect;
 
 use std::fmt::{self, Display};
 use std::io::{IsTerminal, Write};
@@ -27,6 +28,17 @@ pub(crate) use files::Files;
 pub(crate) fn say(message: &str) {
     // Nobody is left to tell that stderr is closed.
     drop(writeln!(std::io::stderr().lock(), "collinear: {message}"));
+}
+
+/// A result to standard output.
+pub(crate) fn print(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        // A reader that went away has what it wanted.
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(in_file(Path::new("standard output"), anyhow!("cannot be written: {e}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A bar on a terminal, nothing elsewhere.

@@ -1,7 +1,6 @@
 //! `collinear project`.
 
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
@@ -15,7 +14,7 @@ use collinear_io::rpc::{RpcFile, read_if_rpc};
 use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
-use super::{Files, in_file, say};
+use super::{Files, in_file, print, say};
 
 /// Compute the pixels of world points, or with --inverse the ground points of pixels
 #[derive(Debug, Args)]
@@ -161,13 +160,7 @@ impl Arguments {
         }
         match &self.output {
             Some(path) => Ok(write_atomically(path, |w| w.write_all(text.as_bytes()))?),
-            None => match io::stdout().lock().write_all(text.as_bytes()) {
-                // A reader that went away has what it wanted.
-                Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-                    Err(in_file(Path::new("standard output"), anyhow!("cannot be written: {e}")))
-                }
-                _ => Ok(()),
-            },
+            None => print(text),
         }
     }
 }

@@ -17,6 +17,7 @@ use collinear_io::sensor::SensorFile;
 use crate::obj::{self, Element, Object};
 
 pub use svg::Photograph;
+pub(crate) use svg::escaped;
 
 use lines::Tracer;
 

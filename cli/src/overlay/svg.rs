@@ -115,7 +115,7 @@ fn hex([r, g, b]: [u8; 3]) -> String {
 }
 
 /// A text as XML has it; characters that XML 1.0 cannot have become U+FFFD.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -1,0 +1,139 @@
+//! `collinear resect`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::Args;
+use collinear_cli::resect::{Estimated, Options, Outcome, run};
+use collinear_cli::residuals::{fitting_exaggeration, to_svg};
+use collinear_io::Document;
+use collinear_io::camera::CameraFile;
+use collinear_io::control::read_control;
+use collinear_io::write_atomically;
+
+use super::{Files, in_file, positive, print};
+
+/// Find where a photograph was taken, from points whose places are known
+#[derive(Debug, Args)]
+#[command(long_about = LONG, after_help = AFTER)]
+pub(crate) struct Arguments {
+    /// The control points (CSV): columns X, Y, Z, x, y and perhaps id, sigma, sigma_X, sigma_Y, sigma_Z
+    #[arg(value_name = "CONTROL.csv")]
+    control: PathBuf,
+
+    /// The camera (JSON); its exterior orientation may be missing and is not looked at
+    #[arg(short, long, value_name = "CAMERA.json")]
+    camera: PathBuf,
+
+    /// The camera file to write, with the exterior orientation found
+    #[arg(short, long, value_name = "OUT.json")]
+    output: Option<PathBuf>,
+
+    /// Estimated beside the pose: distance, point, k1, k2, k3, p
+    #[arg(long, value_name = "WHAT", value_delimiter = ',', value_parser = estimated)]
+    estimate: Vec<Estimated>,
+
+    /// Standard deviation of image coordinates for which the list states none, in pixels
+    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive)]
+    sigma: f64,
+
+    /// Believe the stated precisions, instead of sigma 0 from the residuals
+    #[arg(long)]
+    trust: bool,
+
+    /// Search for wrong points first; a point with a residual of more standard deviations is left out
+    #[arg(long, value_name = "SIGMAS", num_args = 0..=1, default_missing_value = "3", value_parser = positive)]
+    robust: Option<f64>,
+
+    /// Start of the random sequence of --robust
+    #[arg(long, value_name = "NUMBER", default_value = "0", requires = "robust")]
+    seed: u64,
+
+    /// A picture of the residuals to write (SVG)
+    #[arg(long, value_name = "RESIDUALS.svg")]
+    svg: Option<PathBuf>,
+
+    /// How many times as long the residuals are drawn; without it a round number that suits them
+    #[arg(long, value_name = "TIMES", requires = "svg", value_parser = positive)]
+    exaggeration: Option<f64>,
+
+    /// The protocol as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn estimated(text: &str) -> Result<Estimated, String> {
+    Ok(match text.trim() {
+        "distance" => Estimated::PrincipalDistance,
+        "point" => Estimated::PrincipalPoint,
+        "k1" => Estimated::Radial(0),
+        "k2" => Estimated::Radial(1),
+        "k3" => Estimated::Radial(2),
+        "p" => Estimated::Decentering,
+        other => return Err(format!("`{other}` is none of distance, point, k1, k2, k3, p")),
+    })
+}
+
+const LONG: &str = "\
+Find where a photograph was taken, from points whose places are known: space resection by least \
+squares, without initial values. Four points are enough, more control each other.
+
+x, y are pixels from the top-left corner of the top-left pixel, as measured, through the lens. A \
+standard deviation of an image point is in the column sigma (or sigma_x, sigma_y), in pixels; those of \
+a place, if it is not free of error, in sigma_X, sigma_Y, sigma_Z.
+
+The protocol on standard output says how good the result is. sigma 0 is 1 where the stated precisions \
+were right. Each unknown has its standard deviation. For each coordinate of each point there are the \
+residual v; the redundancy number r, which part of an error would show in v, from 0 (nothing would) to \
+1; the test w, v in its own standard deviations, suspect beyond 3.29; and the smallest blunder that \
+this test finds with a probability of 80 %. Angles are omega, phi, kappa in degrees, from the world to \
+x right, y up, z backwards. docs/adjustment.md explains each figure.";
+
+const AFTER: &str = "\
+Examples:
+  collinear resect control.csv --camera camera.json -o south.json
+  collinear resect control.csv --camera camera.json --estimate distance,k1 --svg residuals.svg
+  collinear resect matches.csv --camera camera.json --robust --json
+
+Exit codes: 0 done; 1 failed (an old OUT is left as it was); 2 wrong usage, as an output that is an \
+input too.";
+
+impl Arguments {
+    pub(crate) fn run(&self) -> Result<()> {
+        let mut files = Files::default();
+        if let Some(path) = &self.output {
+            files.output("the camera to write (-o)", path)?;
+        }
+        if let Some(path) = &self.svg {
+            files.output("the picture of the residuals (--svg)", path)?;
+        }
+        files.input("the control points", &self.control)?;
+        files.input("the camera", &self.camera)?;
+        let rows = read_control(&self.control)?;
+        let camera = CameraFile::read_without_exterior(&self.camera)?;
+        let options = Options {
+            sigma: self.sigma,
+            estimate: self.estimate.clone(),
+            robust: self.robust,
+            seed: self.seed,
+            trust: self.trust,
+        };
+        let outcome = run(&camera, &rows, &options).map_err(|e| in_file(&self.control, e))?;
+        if let Some(path) = &self.output {
+            outcome.camera.write(path)?;
+        }
+        if let Some(path) = &self.svg {
+            self.draw(&outcome, path)?;
+        }
+        let text = if self.json { outcome.to_json()? + "\n" } else { outcome.to_text() };
+        print(&text)
+    }
+
+    fn draw(&self, outcome: &Outcome, path: &Path) -> Result<()> {
+        let size = [outcome.camera.width, outcome.camera.height];
+        let times =
+            self.exaggeration.unwrap_or_else(|| fitting_exaggeration(&outcome.points, size));
+        let svg = to_svg(&outcome.points, size, times);
+        Ok(write_atomically(path, |w| w.write_all(svg.as_bytes()))?)
+    }
+}
