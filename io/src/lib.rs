@@ -6,6 +6,7 @@
 //! | a sensor of any kind | [`sensor`] | one of the above |
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json` of every camera type, `tracks.csv` |
 //! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
+//! | a bundle adjustment problem | [`bal`] | text of *Bundle Adjustment in the Large*, plain or gzip |
 //! | cameras of a calibration | [`opencv`] | OpenCV's YAML, JSON and XML, ROS's `camera_info` |
 //! | cameras and poses, a calibration | [`metashape`] | Agisoft Metashape's XML |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
@@ -55,6 +56,7 @@ mod fields;
 mod json;
 mod xml;
 
+pub mod bal;
 pub mod blender;
 pub mod bundler;
 pub mod camera;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test panics to fail")]
 
 mod atomic;
+mod bal;
 mod berlin;
 mod blender;
 mod cameras;
