@@ -52,9 +52,9 @@ fn the_tables_of_interiors_have_every_model_and_field() {
         let mut all = vec![format!(r#""model": "{model}""#)];
         all.extend((!own.is_empty()).then(|| own.to_owned()));
         for (name, value, without) in [
-            ("principal_distance", "[611.3, 598.7]", &["colmap", "orthographic"][..]),
-            ("principal_point", "[513.4, 391.9]", &["colmap"]),
-            ("skew", "0.7", &["equirectangular", "cylindrical", "colmap", "orthographic"]),
+            ("principal_distance", "[611.3, 598.7]", &["film", "colmap", "orthographic"][..]),
+            ("principal_point", "[513.4, 391.9]", &["film", "colmap"]),
+            ("skew", "0.7", &["equirectangular", "cylindrical", "film", "colmap", "orthographic"]),
         ] {
             all.extend((!without.contains(&model)).then(|| format!("\"{name}\": {value}")));
         }
@@ -67,7 +67,9 @@ fn the_tables_of_interiors_have_every_model_and_field() {
         for name in &names {
             let given = all.iter().any(|f| f.contains(&format!("\"{name}\":")));
             let value = match *name {
-                "principal_distance" | "principal_point" | "pixels_per_unit" => "[1, 1]",
+                "principal_distance" | "principal_point" | "principal_point_mm"
+                | "pixels_per_unit" => "[1, 1]",
+                "fiducials" => "[[1, 1, 1, 1]]",
                 "projection" => "\"equisolid\"",
                 "colmap_model" => "\"PINHOLE\"",
                 "k" | "p" | "s" | "tau" | "b" | "parameters" => "[0]",

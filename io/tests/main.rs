@@ -9,6 +9,7 @@ mod cameras;
 mod control;
 mod convert;
 mod documents;
+mod film;
 mod foreign;
 mod formats_page;
 mod gltf;
