@@ -7,12 +7,14 @@
 //! | `collinear reproject` | [`reproject::photograph_from_screen`], [`lookup::Lookup`] |
 //! | `collinear resect` | [`resect::run`], [`residuals::to_svg`] |
 //! | `collinear intersect` | [`intersect::run`] |
+//! | `collinear adjust` | [`block::BlockFile`], [`adjust::run`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |
 //!
 //! The mathematics is that of [`collinear`], the files are those of [`collinear_io`].
 
+pub mod block;
 pub mod convert;
 pub mod intersect;
 pub mod lookup;

@@ -20,8 +20,8 @@ struct Program {
     command: Command,
 }
 
-const ABOUT: &str = "From photographs with known cameras: new views, panoramas and domes, rectified façades, \
-projected points, wire frames, camera files of other programs";
+const ABOUT: &str = "Photographs and cameras: poses and points by adjustment, new views, panoramas and domes, rectified \
+façades, projected points, wire frames, camera files of other programs";
 
 const AFTER: &str = "\
 Image coordinates are pixels from the top-left corner of the top-left pixel, x right, y down; its \

@@ -16,6 +16,7 @@ use collinear_io::convert::Camera;
 use serde_json::{Value, json};
 
 use crate::protocol::{Table, decimals_for, fixed};
+use crate::residuals::Vector;
 
 /// What is estimated beside the pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +30,55 @@ pub enum Estimated {
     /// The decentring distortion.
     Decentering,
 }
+
+impl Estimated {
+    /// The unknowns, for a model whose interior orientation is the group of this number.
+    #[must_use]
+    pub fn unknowns(self, interior: usize) -> Vec<Unknown> {
+        match self {
+            Self::PrincipalDistance => vec![Unknown::together(interior, &[0, 1])],
+            Self::PrincipalPoint => {
+                vec![Unknown::parameter(interior, 2), Unknown::parameter(interior, 3)]
+            }
+            Self::Radial(power) => vec![Unknown::parameter(interior + 1, power)],
+            Self::Decentering => {
+                vec![Unknown::parameter(interior + 1, 3), Unknown::parameter(interior + 1, 4)]
+            }
+        }
+    }
+
+    /// Their names and units.
+    #[must_use]
+    pub fn names(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::PrincipalDistance => &[("fx", "px")],
+            Self::PrincipalPoint => &[("x0", "px"), ("y0", "px")],
+            Self::Radial(0) => &[("k1", "")],
+            Self::Radial(1) => &[("k2", "")],
+            Self::Radial(_) => &[("k3", "")],
+            Self::Decentering => &[("p1", ""), ("p2", "")],
+        }
+    }
+
+    /// The present value of a parameter of this name.
+    #[must_use]
+    pub fn value(name: &str, camera: &impl Adjustable, interior: usize) -> f64 {
+        let place = |names: &[&str]| names.iter().position(|n| *n == name);
+        let (group, index) = match (place(&["fx", "fy", "x0", "y0"]), place(&LENS)) {
+            (Some(index), _) => (interior, index),
+            (_, Some(index)) => (interior + 1, index),
+            _ => return f64::NAN,
+        };
+        let mut values = [f64::NAN; 8];
+        if let Some(len) = camera.parameter_group(group).map(|g| g.len.min(8)) {
+            camera.parameters(group, &mut values[..len]);
+        }
+        values[index]
+    }
+}
+
+/// The parameters of Brown's lens in their order.
+const LENS: [&str; 5] = ["k1", "k2", "k3", "p1", "p2"];
 
 /// How to resect.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +142,11 @@ pub struct Outcome {
 pub fn run(file: &CameraFile, rows: &[ControlRow], options: &Options) -> Result<Outcome> {
     let brown =
         options.estimate.iter().any(|e| matches!(e, Estimated::Radial(_) | Estimated::Decentering));
+    if matches!(file.interior, Interior::Film { .. }) && !options.estimate.is_empty() {
+        bail!(
+            "the interior orientation of a film is that of its fiducial marks: it is not estimated"
+        );
+    }
     match file.camera()? {
         Camera::Pinhole(frame) if brown => {
             let camera = BrownCamera::new(frame.camera, Brown::none());
@@ -159,24 +214,8 @@ fn adjusted<C: CentralModel + Adjustable + Clone>(
     let mut names: Vec<(String, &'static str)> =
         POSE.iter().map(|(name, unit)| ((*name).to_owned(), *unit)).collect();
     for estimated in &options.estimate {
-        match *estimated {
-            Estimated::PrincipalDistance => {
-                unknowns.push(Unknown::together(1, &[0, 1]));
-                names.push(("fx".into(), "px"));
-            }
-            Estimated::PrincipalPoint => {
-                unknowns.extend([Unknown::parameter(1, 2), Unknown::parameter(1, 3)]);
-                names.extend([("x0".into(), "px"), ("y0".into(), "px")]);
-            }
-            Estimated::Radial(power) => {
-                unknowns.push(Unknown::parameter(2, power));
-                names.push((format!("k{}", power + 1), ""));
-            }
-            Estimated::Decentering => {
-                unknowns.extend([Unknown::parameter(2, 3), Unknown::parameter(2, 4)]);
-                names.extend([("p1".into(), ""), ("p2".into(), "")]);
-            }
-        }
+        unknowns.extend(estimated.unknowns(1));
+        names.extend(estimated.names().iter().map(|(name, unit)| ((*name).to_owned(), *unit)));
     }
     let how = ResectionOptions {
         unknowns,
@@ -226,20 +265,8 @@ fn adjusted<C: CentralModel + Adjustable + Clone>(
         let variance = by_angle.map_or(f64::NAN, |c| c[(i, i)]);
         deviations[3 + i] = variance.sqrt().to_degrees();
     }
-    let mut groups = [[0.0; 8]; 2];
-    for (g, group) in groups.iter_mut().enumerate() {
-        if let Some(len) = frame.parameter_group(g + 1).map(|p| p.len.min(8)) {
-            frame.parameters(g + 1, &mut group[..len]);
-        }
-    }
     for (name, _) in &names[POSE.len()..] {
-        let place = ["fx", "fy", "x0", "y0"].iter().position(|n| n == name);
-        let lens = ["k1", "k2", "k3", "p1", "p2"].iter().position(|n| n == name);
-        values.push(match (place, lens) {
-            (Some(i), _) => groups[0][i],
-            (_, Some(i)) => groups[1][i],
-            _ => f64::NAN,
-        });
+        values.push(Estimated::value(name, frame, 1));
     }
     let camera = CameraFile {
         interior: if options.estimate.is_empty() { file.interior.clone() } else { interior(frame) },
@@ -261,6 +288,19 @@ fn adjusted<C: CentralModel + Adjustable + Clone>(
 }
 
 impl Outcome {
+    /// The residuals at their places.
+    #[must_use]
+    pub fn vectors(&self) -> Vec<Vector> {
+        self.points
+            .iter()
+            .map(|p| Vector {
+                name: p.id.clone(),
+                at: p.image,
+                residual: p.used.then_some(p.residual),
+            })
+            .collect()
+    }
+
     /// The protocol, for people.
     #[must_use]
     pub fn to_text(&self) -> String {

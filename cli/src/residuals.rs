@@ -3,97 +3,136 @@
 use std::fmt::Write;
 
 use crate::overlay::escaped;
-use crate::resect::PointResult;
+
+/// A residual at its place in a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vector {
+    /// The point's name.
+    pub name: String,
+    /// Where it was measured, pixels.
+    pub at: [f64; 2],
+    /// Observed minus computed, pixels; none where the point took no part.
+    pub residual: Option<[f64; 2]>,
+}
+
+/// The frame of a drawing: its top-left corner and its size, pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    corner: [f64; 2],
+    size: [f64; 2],
+}
+
+impl Sheet {
+    /// A whole picture.
+    #[must_use]
+    pub fn of_picture([width, height]: [u32; 2]) -> Self {
+        Self { corner: [0.0; 2], size: [f64::from(width), f64::from(height)] }
+    }
+
+    /// What holds the points of a picture whose size is not known.
+    #[must_use]
+    pub fn around(points: &[Vector]) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in points {
+            for i in 0..2 {
+                low[i] = low[i].min(point.at[i]);
+                high[i] = high[i].max(point.at[i]);
+            }
+        }
+        let size = [high[0] - low[0], high[1] - low[1]];
+        if size.iter().all(|s| *s > 0.0 && s.is_finite()) {
+            Self { corner: low, size }
+        } else {
+            Self { corner: [0.0; 2], size: [1.0; 2] }
+        }
+    }
+
+    fn longer(&self) -> f64 {
+        self.size[0].max(self.size[1])
+    }
+}
 
 /// The SVG of a picture's frame with each point's residual as a vector from where the point was measured towards where it was
 /// computed, `exaggeration` times as long. Its user units are pixels. A line of known length tells the scale.
 #[must_use]
-pub fn to_svg(points: &[PointResult], [width, height]: [u32; 2], exaggeration: f64) -> String {
-    let longer = f64::from(width.max(height));
-    let (stroke, text) = (longer / 800.0, longer / 45.0);
+pub fn to_svg(points: &[Vector], sheet: &Sheet, exaggeration: f64) -> String {
+    let Sheet { corner: [left, top], size: [width, height] } = *sheet;
+    let (stroke, text) = (sheet.longer() / 800.0, sheet.longer() / 45.0);
     let margin = 3.0 * text;
-    let [across, down] = [f64::from(width) + 2.0 * margin, f64::from(height) + 2.5 * margin];
+    let [from, above] = [left - margin, top - margin];
+    let [across, down] = [width + 2.0 * margin, height + 2.5 * margin];
     let mut svg = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         svg,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1} {:.1} {across:.1} {down:.1}\" \
-         width=\"900\" height=\"{:.0}\">",
-        -margin,
-        -margin,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{from:.1} {above:.1} {across:.1} {down:.1}\" \
+         width=\"900\" height=\"{:.0}\">\n\
+         <rect x=\"{from:.1}\" y=\"{above:.1}\" width=\"{across:.1}\" height=\"{down:.1}\" fill=\"#fff\"/>\n\
+         <rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"#f7f7f4\" stroke=\"#555\" \
+         stroke-width=\"{stroke:.2}\"/>\n\
+         <defs><marker id=\"head\" viewBox=\"0 0 8 8\" refX=\"7\" refY=\"4\" markerWidth=\"5\" \
+         markerHeight=\"5\" orient=\"auto\"><path d=\"M0 0 8 4 0 8z\" fill=\"#c0392b\"/></marker></defs>\n\
+         <g font-family=\"sans-serif\" font-size=\"{text:.1}\" fill=\"#333\">",
         900.0 * down / across,
     );
-    let _ = writeln!(
-        svg,
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#f7f7f4\" stroke=\"#555\" stroke-width=\"{stroke:.2}\"/>",
-        -margin, -margin,
-    );
-    let _ = writeln!(
-        svg,
-        "<defs><marker id=\"head\" viewBox=\"0 0 8 8\" refX=\"7\" refY=\"4\" markerWidth=\"5\" \
-         markerHeight=\"5\" orient=\"auto\"><path d=\"M0 0 8 4 0 8z\" fill=\"#c0392b\"/></marker></defs>\n\
-         <g font-family=\"sans-serif\" font-size=\"{text:.1}\" fill=\"#333\">"
-    );
     for point in points {
-        let [x, y] = point.image;
-        let color = if point.used { "#2c6fbb" } else { "#999" };
+        let [x, y] = point.at;
+        let color = if point.residual.is_some() { "#2c6fbb" } else { "#999" };
         let _ = writeln!(
             svg,
             "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{:.2}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{:.2}\"/>",
-            4.0 * stroke,
-            1.5 * stroke,
+            if points.len() <= NAMED { 4.0 * stroke } else { 1.5 * stroke },
+            if points.len() <= NAMED { 1.5 * stroke } else { 0.7 * stroke },
         );
-        let end = [x - exaggeration * point.residual[0], y - exaggeration * point.residual[1]];
-        if point.used && end.iter().all(|c| c.is_finite()) {
+        let [vx, vy] = point.residual.unwrap_or_default();
+        let end = [x - exaggeration * vx, y - exaggeration * vy];
+        if end != point.at && end.iter().all(|c| c.is_finite()) {
             let _ = writeln!(
                 svg,
                 "<line x1=\"{x:.2}\" y1=\"{y:.2}\" x2=\"{:.2}\" y2=\"{:.2}\" stroke=\"#c0392b\" \
                  stroke-width=\"{:.2}\" marker-end=\"url(#head)\"/>",
                 end[0],
                 end[1],
-                2.0 * stroke,
+                if points.len() <= NAMED { 2.0 * stroke } else { stroke },
             );
         }
         if points.len() <= NAMED {
             // On the side where the vector is not, and within the picture.
-            let (aside, anchor) = match x > 0.75 * f64::from(width) {
-                true => (-6.0 * stroke, "end"),
-                false => (6.0 * stroke, "start"),
-            };
+            let right = x - left > 0.75 * width;
+            let (aside, anchor) =
+                if right { (-6.0 * stroke, "end") } else { (6.0 * stroke, "start") };
             let above = if end[1] < y { 6.0 * stroke + 0.7 * text } else { -6.0 * stroke };
             let _ = writeln!(
                 svg,
                 "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{anchor}\">{}</text>",
                 x + aside,
                 y + above,
-                escaped(&point.id),
+                escaped(&point.name),
             );
         }
     }
-    let bar = round(longer / 6.0 / exaggeration);
-    let (left, below) = (0.0, f64::from(height) + 1.6 * text);
+    let bar = round(sheet.longer() / 6.0 / exaggeration);
+    let below = top + height + 1.6 * text;
     let _ = writeln!(
         svg,
         "<line x1=\"{left}\" y1=\"{below:.1}\" x2=\"{:.2}\" y2=\"{below:.1}\" stroke=\"#c0392b\" stroke-width=\"{:.2}\"/>\n\
-         <text x=\"{left}\" y=\"{:.1}\">{bar} px of residual, drawn {} times as long; from measured to computed</text>\n</g>\n</svg>",
+         <text x=\"{left}\" y=\"{:.1}\">{bar} px of residual, drawn {exaggeration} times as long; from measured to computed</text>\n\
+         </g>\n</svg>",
         left + bar * exaggeration,
         2.0 * stroke,
         below + 1.4 * text,
-        exaggeration,
     );
     svg
 }
 
-/// More points than these are drawn without their names.
+/// More points than these are drawn small and without their names.
 const NAMED: usize = 60;
 
 /// The exaggeration that draws the longest residual a tenth of the picture long: a round number.
 #[must_use]
-pub fn fitting_exaggeration(points: &[PointResult], [width, height]: [u32; 2]) -> f64 {
-    let used = points.iter().filter(|p| p.used);
-    let longest = used.map(|p| p.residual[0].hypot(p.residual[1])).fold(0.0, f64::max);
-    let wanted = 0.1 * f64::from(width.max(height)) / longest;
+pub fn fitting_exaggeration(points: &[Vector], sheet: &Sheet) -> f64 {
+    let lengths = points.iter().filter_map(|p| p.residual).map(|[x, y]| x.hypot(y));
+    let wanted = 0.1 * sheet.longer() / lengths.fold(0.0, f64::max);
     if wanted.is_finite() && wanted > 1.0 { round(wanted.min(1e6)) } else { 1.0 }
 }
 

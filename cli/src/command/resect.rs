@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::Args;
 use collinear_cli::resect::{Estimated, Options, Outcome, run};
-use collinear_cli::residuals::{fitting_exaggeration, to_svg};
+use collinear_cli::residuals::{Sheet, fitting_exaggeration, to_svg};
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 use collinear_io::control::read_control;
@@ -62,7 +62,7 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-fn estimated(text: &str) -> Result<Estimated, String> {
+pub(super) fn estimated(text: &str) -> Result<Estimated, String> {
     Ok(match text.trim() {
         "distance" => Estimated::PrincipalDistance,
         "point" => Estimated::PrincipalPoint,
@@ -130,10 +130,10 @@ impl Arguments {
     }
 
     fn draw(&self, outcome: &Outcome, path: &Path) -> Result<()> {
-        let size = [outcome.camera.width, outcome.camera.height];
-        let times =
-            self.exaggeration.unwrap_or_else(|| fitting_exaggeration(&outcome.points, size));
-        let svg = to_svg(&outcome.points, size, times);
+        let vectors = outcome.vectors();
+        let sheet = Sheet::of_picture([outcome.camera.width, outcome.camera.height]);
+        let times = self.exaggeration.unwrap_or_else(|| fitting_exaggeration(&vectors, &sheet));
+        let svg = to_svg(&vectors, &sheet, times);
         Ok(write_atomically(path, |w| w.write_all(svg.as_bytes()))?)
     }
 }

@@ -10,10 +10,10 @@ use std::error::Error;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use collinear::ExteriorOrientation;
 use collinear::adjust::bundle::{Bundle, BundleOptions, OutsideRule, Solver};
 use collinear::adjust::{Precision, Unknown};
 use collinear::nalgebra::{Point3, Rotation3, Vector3};
-use collinear::ExteriorOrientation;
 use collinear_io::bal::{Bal, BalCamera, Camera};
 
 /// Seconds of CPU time of this process, of all its threads.
@@ -78,13 +78,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         drop(bal);
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let mut options = BundleOptions { outside: OutsideRule::Formula, solver, ..BundleOptions::default() };
+    let mut options =
+        BundleOptions { outside: OutsideRule::Formula, solver, ..BundleOptions::default() };
     options.least_squares.max_iterations = steps;
     let (begin, cpu_begin) = (Instant::now(), cpu());
     let mut trace = vec![];
     let adjusted = pool.install(|| {
         bundle.adjust_watched(&options, |progress| {
-            trace.push((progress.iterations, progress.cost, begin.elapsed().as_secs_f64(), cpu() - cpu_begin));
+            trace.push((
+                progress.iterations,
+                progress.cost,
+                begin.elapsed().as_secs_f64(),
+                cpu() - cpu_begin,
+            ));
             ControlFlow::Continue(())
         })
     })?;
@@ -124,7 +130,8 @@ fn block(
 ) -> Result<(Bundle<BalCamera>, Option<Bal>), Box<dyn Error>> {
     let mut seed = perturb.map_or(0, |s| s.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
     let mut noise = |size: f64| if seed == 0 { 0.0 } else { size * random(&mut seed) };
-    let unknowns = [Unknown::together(0, &[0, 1]), Unknown::parameter(1, 0), Unknown::parameter(1, 1)];
+    let unknowns =
+        [Unknown::together(0, &[0, 1]), Unknown::parameter(1, 0), Unknown::parameter(1, 1)];
     let mut bundle = Bundle::new();
     let mut images = vec![];
     for camera in &bal.cameras {
