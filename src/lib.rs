@@ -55,6 +55,7 @@
 //! | [`numeric`] | least squares, robust losses, consensus |
 //! | [`geometry`] | planes, rays, rotations, poses, projection matrices, homographies, the Earth |
 //! | [`camera`] | the sensor contracts, collinearity with its partial derivatives, interior and exterior orientation, lenses |
+//! | [`adjust`] | cameras and points from measurements: resection, intersection, orientation, with reports |
 //! | [`mapping`] | maps from screen to texture: fractional-linear, polynomial, composed; spans |
 //! | [`resample`] | borrowed pictures, filters, borders, a picture through a map |
 //! | [`texturer`] | the reference scanline texturer |
@@ -69,7 +70,7 @@
 //! - Geometry is `f64` and nalgebra, pixels are `f32`; both libraries are re-exported.
 //! - Failure is a value: [`ProjectionError`] for a point or pixel, [`Error`] for constructors and estimators.
 //!
-//! More in [`_conventions`]; every camera model in [`_models`]; what the numbers of other tools mean in [`_coming_from`].
+//! What the figures of an adjustment mean: [`_adjustment`]. More in [`_conventions`]; every camera model in [`_models`]; what the numbers of other tools mean in [`_coming_from`].
 //! \[WD\], \[S\], \[H\] and \[C\] are the sources whose equations the documentation cites by
 //! number; [`_sources`] lists which equation is which function, and the test that holds it.
 //!
@@ -119,6 +120,10 @@ pub mod _conventions {}
 
 #[doc = include_str!("../docs/coming-from.md")]
 pub mod _coming_from {}
+
+#[cfg(feature = "std")]
+#[doc = include_str!("../docs/adjustment.md")]
+pub mod _adjustment {}
 
 #[doc = include_str!("../docs/models.md")]
 pub mod _models {}

@@ -6,6 +6,7 @@
 //! | `collinear rectify` | [`rectify::Rectification`] |
 //! | `collinear reproject` | [`reproject::photograph_from_screen`], [`lookup::Lookup`] |
 //! | `collinear resect` | [`resect::run`], [`residuals::to_svg`] |
+//! | `collinear intersect` | [`intersect::run`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |
@@ -13,6 +14,7 @@
 //! The mathematics is that of [`collinear`], the files are those of [`collinear_io`].
 
 pub mod convert;
+pub mod intersect;
 pub mod lookup;
 mod obj;
 pub mod overlay;

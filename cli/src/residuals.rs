@@ -10,17 +10,18 @@ use crate::resect::PointResult;
 #[must_use]
 pub fn to_svg(points: &[PointResult], [width, height]: [u32; 2], exaggeration: f64) -> String {
     let longer = f64::from(width.max(height));
-    let (stroke, text) = (longer / 800.0, longer / 55.0);
+    let (stroke, text) = (longer / 800.0, longer / 45.0);
     let margin = 3.0 * text;
+    let [across, down] = [f64::from(width) + 2.0 * margin, f64::from(height) + 2.5 * margin];
     let mut svg = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
         svg,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1} {:.1} {:.1} {:.1}\" width=\"900\">",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1} {:.1} {across:.1} {down:.1}\" \
+         width=\"900\" height=\"{:.0}\">",
         -margin,
         -margin,
-        f64::from(width) + 2.0 * margin,
-        f64::from(height) + 2.5 * margin,
+        900.0 * down / across,
     );
     let _ = writeln!(
         svg,
@@ -55,11 +56,17 @@ pub fn to_svg(points: &[PointResult], [width, height]: [u32; 2], exaggeration: f
             );
         }
         if points.len() <= NAMED {
+            // On the side where the vector is not, and within the picture.
+            let (aside, anchor) = match x > 0.75 * f64::from(width) {
+                true => (-6.0 * stroke, "end"),
+                false => (6.0 * stroke, "start"),
+            };
+            let above = if end[1] < y { 6.0 * stroke + 0.7 * text } else { -6.0 * stroke };
             let _ = writeln!(
                 svg,
-                "<text x=\"{:.2}\" y=\"{:.2}\">{}</text>",
-                x + 6.0 * stroke,
-                y - 6.0 * stroke,
+                "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{anchor}\">{}</text>",
+                x + aside,
+                y + above,
                 escaped(&point.id),
             );
         }

@@ -48,6 +48,22 @@ fn help_tells_what_a_command_does_and_in_which_units() {
             ],
         ),
         ("project", &["POINTS.csv", "--inverse", "id, X, Y, Z, x, y, status", "behind", "pixels"]),
+        (
+            "resect",
+            &[
+                "CONTROL.csv",
+                "without initial values",
+                "sigma 0",
+                "3.29",
+                "80 %",
+                "degrees",
+                "--svg",
+            ],
+        ),
+        (
+            "intersect",
+            &["IMAGES.csv", "photo, id, x, y", "free of error", "suspect", "COLMAP", "pixels"],
+        ),
         ("overlay", &["--scene", "--plane", "--mesh", "--line-width", "SVG", "0.1"]),
     ] {
         let run = folder.succeed(&[command, "--help"]);
@@ -65,6 +81,8 @@ fn help_tells_what_a_command_does_and_in_which_units() {
         "render",
         "rectify",
         "reproject",
+        "resect",
+        "intersect",
         "project",
         "overlay",
         "convert",
@@ -84,7 +102,7 @@ fn joined(text: &str) -> String {
 #[test]
 fn help_has_no_line_that_broke_before_it_was_full() {
     let folder = Folder::new();
-    for command in ["render", "rectify", "project", "overlay"] {
+    for command in ["render", "rectify", "resect", "intersect", "project", "overlay"] {
         for width in [100, 72] {
             let text = folder.succeed_at_width(&[command, "--help"], width).stdout;
             let (prose, _) = text.split_once("\nUsage:").unwrap();

@@ -10,5 +10,6 @@ mod readme;
 mod rectify;
 mod render;
 mod reproject;
+mod resect;
 mod support;
 mod town;

@@ -56,6 +56,8 @@ fn the_commands_of_the_readme_run_as_they_stand() {
             "rectify",
             "project",
             "project",
+            "resect",
+            "intersect",
             "overlay",
             "convert"
         ],

@@ -79,13 +79,27 @@ impl View {
 }
 
 /// The words of a text with the numbers of their lines.
-struct Words<'a> {
+pub(crate) struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     words: SplitWhitespace<'a>,
     line: usize,
 }
 
 impl<'a> Words<'a> {
+    pub(crate) fn new(text: &'a str) -> Self {
+        Self { lines: text.lines().enumerate(), words: "".split_whitespace(), line: 1 }
+    }
+
+    /// The line of the last word, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// The next word, where there is one.
+    pub(crate) fn rest(&mut self) -> Option<&'a str> {
+        self.next("").ok()
+    }
+
     fn next(&mut self, name: &str) -> Result<&'a str, Error> {
         loop {
             if let Some(word) = self.words.next() {
@@ -104,7 +118,7 @@ impl<'a> Words<'a> {
         ErrorKind::Line { line: self.line, column: None, problem }.into()
     }
 
-    fn parsed<T: FromStr>(&mut self, name: &str) -> Result<T, Error> {
+    pub(crate) fn parsed<T: FromStr>(&mut self, name: &str) -> Result<T, Error> {
         let word = self.next(name)?;
         word.parse().map_err(|_| self.not_a_number(name, word))
     }
@@ -115,13 +129,32 @@ impl<'a> Words<'a> {
         value.ok_or_else(|| self.not_a_number(name, word))
     }
 
-    fn numbers<const N: usize>(&mut self, name: &str) -> Result<[f64; N], Error> {
+    pub(crate) fn numbers<const N: usize>(&mut self, name: &str) -> Result<[f64; N], Error> {
         let mut values = [0.0; N];
         for value in &mut values {
             *value = self.number(name)?;
         }
         Ok(values)
     }
+}
+
+/// Refuses the number of something that is not there.
+pub(crate) fn known(
+    entry: &str,
+    what: &'static str,
+    number: usize,
+    count: usize,
+    line: usize,
+) -> Result<(), Error> {
+    if number < count {
+        return Ok(());
+    }
+    let known = match count {
+        0 => vec![],
+        _ => vec![format!("0 to {}", count - 1)],
+    };
+    let problem = FieldProblem::UnknownName { what, name: number.to_string(), known };
+    Err(FieldError::new(format!("{entry} in line {line}"), problem).into())
 }
 
 impl Bundle {
@@ -160,9 +193,8 @@ impl Bundle {
             let problem = LineProblem::Version { found, expected: "`# Bundle file v0.3`" };
             return Err(ErrorKind::Line { line: 1, column: None, problem }.into());
         }
-        let mut lines = text.lines().enumerate();
-        lines.next();
-        let mut words = Words { lines, words: "".split_whitespace(), line: 1 };
+        let mut words = Words::new(text);
+        words.lines.next();
         let cameras: usize = words.parsed("number of cameras")?;
         let points: usize = words.parsed("number of points")?;
         let mut bundle = Self {
@@ -182,15 +214,7 @@ impl Bundle {
             let mut views = Vec::with_capacity(count.min(MOST_AHEAD));
             for _ in 0..count {
                 let camera: usize = words.parsed("camera of a view")?;
-                if camera >= cameras {
-                    let line = words.line;
-                    let problem = FieldProblem::UnknownName {
-                        what: "a camera",
-                        name: camera.to_string(),
-                        known: vec![format!("0 to {}", cameras.saturating_sub(1))],
-                    };
-                    return Err(FieldError::new(format!("view in line {line}"), problem).into());
-                }
+                known("view", "a camera", camera, cameras, words.line)?;
                 let key = words.parsed("key of a view")?;
                 views.push(View { camera, key, image: words.numbers("image point")? });
             }

@@ -114,6 +114,15 @@ pub enum Interior {
         /// The image of the z axis, pixels; without it the middle.
         principal_point: Option<[f64; 2]>,
     },
+    /// A scanned photograph of a film camera, a central perspective; its fiducial marks say where the scan's pixels are on the film.
+    Film {
+        /// c, millimetres.
+        principal_distance_mm: f64,
+        /// Millimetres in the frame of the fiducial marks, x right, y up.
+        principal_point_mm: [f64; 2],
+        /// The marks, three or more: x, y as calibrated, millimetres; x, y as measured in the scan, pixels.
+        fiducials: Vec<[f64; 4]>,
+    },
     /// A camera as COLMAP's `cameras.txt` has it.
     Colmap {
         /// COLMAP's name of the model.
@@ -246,6 +255,7 @@ impl Interior {
             Self::Lens { lens, .. } => lens.model(),
             Self::Panorama { projection: Panorama::Equirectangular, .. } => "equirectangular",
             Self::Panorama { projection: Panorama::Cylindrical, .. } => "cylindrical",
+            Self::Film { .. } => "film",
             Self::Colmap { .. } => "colmap",
             Self::Orthographic { .. } => "orthographic",
         }
@@ -286,6 +296,18 @@ impl Interior {
             Self::Panorama { principal_distance, principal_point, .. } => {
                 distances(principal_distance.as_ref().map_or(&[], |d| d))?;
                 pixels("principal_point", principal_point.as_ref().map_or(&[], |p| p))
+            }
+            Self::Film { principal_distance_mm, principal_point_mm, fiducials } => {
+                let expected = "a number from 1e-6 to 1e9 (millimetres)";
+                let [least, most] = PRINCIPAL_DISTANCE;
+                let within = |v| (least..=most).contains(&v);
+                in_range("principal_distance_mm", *principal_distance_mm, expected, within)?;
+                pixels("principal_point_mm", principal_point_mm)?;
+                for (i, mark) in fiducials.iter().enumerate() {
+                    pixels(&format!("fiducials[{i}]"), mark)?;
+                }
+                let marks = fiducials.len() as f64;
+                in_range("fiducials", marks, "3 marks or more", |v| v >= 3.0)
             }
             Self::Colmap { model, parameters } => check_colmap(model, parameters),
             Self::Orthographic { pixels_per_unit, principal_point } => {

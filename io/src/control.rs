@@ -92,12 +92,7 @@ impl Columns {
         else {
             return Err(bad("X, Y, Z, x, y, and perhaps id, sigma, sigma_X, sigma_Y, sigma_Z"));
         };
-        let image_sigma = match all(&["sigma", "sigma_x", "sigma_y"])?[..] {
-            [Some(both), None, None] => Some([(both, "sigma"), (both, "sigma")]),
-            [None, Some(x), Some(y)] => Some([(x, "sigma_x"), (y, "sigma_y")]),
-            [None, None, None] => None,
-            _ => return Err(bad("sigma alone, or sigma_x and sigma_y")),
-        };
+        let image_sigma = image_sigmas(line, header)?;
         let world_sigma = match all(&["sigma_X", "sigma_Y", "sigma_Z"])?[..] {
             [Some(x), Some(y), Some(z)] => Some([(x, "sigma_X"), (y, "sigma_Y"), (z, "sigma_Z")]),
             [None, None, None] => None,
@@ -121,8 +116,25 @@ impl Columns {
     }
 }
 
+/// The columns of an image point's standard deviations, where there are any.
+pub(crate) fn image_sigmas(
+    line: usize,
+    header: &[String],
+) -> Result<Option<[(usize, &'static str); 2]>, Error> {
+    let column = |name| find(line, header, name);
+    match (column("sigma")?, column("sigma_x")?, column("sigma_y")?) {
+        (Some(both), None, None) => Ok(Some([(both, "sigma"), (both, "sigma")])),
+        (None, Some(x), Some(y)) => Ok(Some([(x, "sigma_x"), (y, "sigma_y")])),
+        (None, None, None) => Ok(None),
+        _ => {
+            let (header, expected) = (header.join(" "), "sigma alone, or sigma_x and sigma_y");
+            Err(at(line, None, LineProblem::Header { header, expected }))
+        }
+    }
+}
+
 /// The standard deviations of a line: all, or none where all are empty.
-fn sigmas<const N: usize>(
+pub(crate) fn sigmas<const N: usize>(
     line: &Line<'_>,
     number: usize,
     places: Option<[(usize, &'static str); N]>,

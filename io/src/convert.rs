@@ -171,6 +171,19 @@ impl Interior {
                 let interior = panorama(*projection, *principal_distance, *principal_point, size)?;
                 Model::Central(Arc::new(CentralCamera::ideal(interior, *projection)))
             }
+            Self::Film { principal_distance_mm, principal_point_mm, fiducials } => {
+                let film: Vec<_> =
+                    fiducials.iter().map(|[x, y, _, _]| Point2::new(*x, *y)).collect();
+                let scan: Vec<_> =
+                    fiducials.iter().map(|[_, _, x, y]| Point2::new(*x, *y)).collect();
+                let fit = Affine2::fit(&film, &scan).map_err(in_field("interior.fiducials"))?;
+                let interior = InteriorOrientation::from_photogrammetric(
+                    *principal_distance_mm,
+                    Point2::from(*principal_point_mm),
+                    &fit.map,
+                );
+                Model::Pinhole(interior.map_err(in_field("interior.fiducials"))?)
+            }
             Self::Colmap { model, parameters } => {
                 let refused = in_field("interior.parameters");
                 match brown_from_colmap(model, parameters).map_err(&refused)? {

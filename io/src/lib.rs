@@ -6,6 +6,7 @@
 //! | a sensor of any kind | [`sensor`] | one of the above |
 //! | cameras, poses, points and tracks of a reconstruction | [`opensfm`] | OpenSfM `reconstruction.json` of every camera type, `tracks.csv` |
 //! | cameras, points and views | [`bundler`] | Bundler's `bundle.out` |
+//! | a bundle adjustment problem | [`bal`] | text of *Bundle Adjustment in the Large*, plain or gzip |
 //! | cameras of a calibration | [`opencv`] | OpenCV's YAML, JSON and XML, ROS's `camera_info` |
 //! | cameras and poses, a calibration | [`metashape`] | Agisoft Metashape's XML |
 //! | cameras, poses, points and tracks of a reconstruction | [`colmap`] | COLMAP's `cameras`, `images`, `points3D`, text and binary |
@@ -18,6 +19,7 @@
 //! | a photograph's matrices for a graphics interface | [`gpu`] | JSON, written only |
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | control points with their images and precisions | [`control`] | CSV |
+//! | which photograph shows which point where | [`observations`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
 //! | rational polynomial cameras | [`rpc`] | JSON, RPB, `_RPC.TXT`, DIMAP XML, GDAL's XML, OSSIM `.geom`, GeoTIFF |
 //! | geoid undulations | [`gtx`] | GTX |
@@ -54,6 +56,7 @@ mod fields;
 mod json;
 mod xml;
 
+pub mod bal;
 pub mod blender;
 pub mod bundler;
 pub mod camera;
@@ -67,6 +70,7 @@ pub mod gtx;
 pub mod map;
 pub mod metashape;
 pub mod nerf;
+pub mod observations;
 pub mod opencv;
 pub mod opensfm;
 pub mod orientation;

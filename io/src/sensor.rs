@@ -59,6 +59,24 @@ impl SensorFile {
         read_text(path).and_then(|text| Self::parse(&text)).map_err(|e| e.in_file(path))
     }
 
+    /// As [`read`](Self::read), or `None` for a folder and a file that is none of ours, as one of another program's.
+    ///
+    /// # Errors
+    /// As [`Document::read`], for a file that says it is ours.
+    pub fn read_if_ours(path: &Path) -> Result<Option<Self>, Error> {
+        if path.is_dir() {
+            return Ok(None);
+        }
+        let text = match read_text(path) {
+            Ok(text) => text,
+            Err(e) if matches!(e.kind(), ErrorKind::NotText { .. }) => return Ok(None),
+            Err(e) => return Err(e.in_file(path)),
+        };
+        let ours = text.trim_start().starts_with('{')
+            && kind_of(&text).map_err(|e| e.in_file(path))?.is_some();
+        if ours { Self::parse(&text).map(Some).map_err(|e| e.in_file(path)) } else { Ok(None) }
+    }
+
     /// Width and height of the picture, pixels.
     #[must_use]
     pub fn size(&self) -> [u32; 2] {

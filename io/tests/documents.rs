@@ -65,7 +65,7 @@ fn an_error_names_the_field_and_what_was_expected_there() {
         (
             "pinhole",
             "brwon",
-            "interior.model: expected one of `pinhole`, `brown`, `rational`, `metashape`, `fraser`, `fisheye`, `thin_prism_fisheye`, `fisheye624`, `field_of_view`, `division`, `unified`, `enhanced_unified`, `double_sphere`, `equirectangular`, `cylindrical`, `colmap`, `orthographic`, found `brwon` (line 3, column 32)",
+            "interior.model: expected one of `pinhole`, `brown`, `rational`, `metashape`, `fraser`, `fisheye`, `thin_prism_fisheye`, `fisheye624`, `field_of_view`, `division`, `unified`, `enhanced_unified`, `double_sphere`, `equirectangular`, `cylindrical`, `film`, `colmap`, `orthographic`, found `brwon` (line 3, column 32)",
         ),
     ] {
         assert_eq!(camera_error(from, to), expected);

@@ -2,8 +2,10 @@
 
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
+use collinear_io::control::parse_control;
 use collinear_io::dome::DomeFile;
 use collinear_io::map::MapFile;
+use collinear_io::observations::parse_observations;
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::parse_points;
 use collinear_io::rpc::RpcFile;
@@ -50,9 +52,9 @@ fn the_tables_of_interiors_have_every_model_and_field() {
         let mut all = vec![format!(r#""model": "{model}""#)];
         all.extend((!own.is_empty()).then(|| own.to_owned()));
         for (name, value, without) in [
-            ("principal_distance", "[611.3, 598.7]", &["colmap", "orthographic"][..]),
-            ("principal_point", "[513.4, 391.9]", &["colmap"]),
-            ("skew", "0.7", &["equirectangular", "cylindrical", "colmap", "orthographic"]),
+            ("principal_distance", "[611.3, 598.7]", &["film", "colmap", "orthographic"][..]),
+            ("principal_point", "[513.4, 391.9]", &["film", "colmap"]),
+            ("skew", "0.7", &["equirectangular", "cylindrical", "film", "colmap", "orthographic"]),
         ] {
             all.extend((!without.contains(&model)).then(|| format!("\"{name}\": {value}")));
         }
@@ -65,7 +67,9 @@ fn the_tables_of_interiors_have_every_model_and_field() {
         for name in &names {
             let given = all.iter().any(|f| f.contains(&format!("\"{name}\":")));
             let value = match *name {
-                "principal_distance" | "principal_point" | "pixels_per_unit" => "[1, 1]",
+                "principal_distance" | "principal_point" | "principal_point_mm"
+                | "pixels_per_unit" => "[1, 1]",
+                "fiducials" => "[[1, 1, 1, 1]]",
                 "projection" => "\"equisolid\"",
                 "colmap_model" => "\"PINHOLE\"",
                 "k" | "p" | "s" | "tau" | "b" | "parameters" => "[0]",
@@ -127,9 +131,12 @@ fn the_examples_of_the_formats_page_are_files() {
     }
     kinds.dedup();
     assert_eq!(kinds, ["camera", "scanner", "plane", "dome", "map", "rpc", "scene"]);
-    for text in blocks(&page, "csv") {
-        assert_eq!(parse_points(text).unwrap().len(), 2);
-    }
+    let [points, control, observations] = blocks(&page, "csv")[..] else { panic!("three tables") };
+    assert_eq!(parse_points(points).unwrap().len(), 2);
+    let rows = parse_control(control).unwrap();
+    assert_eq!((rows[0].image_sigma, rows[0].world_sigma), (Some([0.3; 2]), None));
+    assert_eq!(rows[1].world_sigma, Some([0.02, 0.02, 0.05]));
+    assert_eq!(parse_observations(observations).unwrap().len(), 2);
 }
 
 #[test]

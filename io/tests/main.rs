@@ -2,11 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test panics to fail")]
 
 mod atomic;
+mod bal;
 mod berlin;
 mod blender;
 mod cameras;
+mod control;
 mod convert;
 mod documents;
+mod film;
 mod foreign;
 mod formats_page;
 mod gltf;

@@ -5,6 +5,7 @@
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 
 mod absolute_orientation;
+pub mod bundle;
 mod dlt;
 mod five_point;
 mod intersection;

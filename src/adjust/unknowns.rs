@@ -191,6 +191,14 @@ impl Columns {
         }
     }
 
+    /// The present value of the first parameter that unknown `k` moves.
+    pub(super) fn value<M: Adjustable>(&self, k: usize, model: &M) -> f64 {
+        let column = &self.list[k];
+        let mut values = vec![0.0; self.lengths[column.group]];
+        model.parameters(column.group, &mut values);
+        column.moves.first().and_then(|(i, _)| values.get(*i)).copied().unwrap_or(f64::NAN)
+    }
+
     /// The model moved by a step of the unknowns.
     pub(super) fn moved<M: Adjustable + Clone>(&self, model: &M, step: &[f64]) -> Result<M, Error> {
         let mut moved = model.clone();

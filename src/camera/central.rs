@@ -162,9 +162,28 @@ impl<P: CentralProjection, D: Distortion> CentralCamera<P, D> {
     }
 
     /// The image with every derivative on the way.
+    #[inline]
     fn trace(&self, direction: &Vector3<f64>) -> Result<Trace, ProjectionError> {
         let (plane, by_direction) = self.projection.plane_jacobian(direction)?;
-        let (distorted, by_plane) = self.distortion.distort_jacobian(&plane)?;
+        let distorted = self.distortion.distort_jacobian(&plane)?;
+        self.traced(plane, by_direction, distorted)
+    }
+
+    /// The same by the bare formulas.
+    #[inline]
+    fn formula_trace(&self, direction: &Vector3<f64>) -> Result<Trace, ProjectionError> {
+        let (plane, by_direction) = self.projection.plane_formula_jacobian(direction)?;
+        let distorted = self.distortion.distort_formula_jacobian(&plane)?;
+        self.traced(plane, by_direction, distorted)
+    }
+
+    #[inline]
+    fn traced(
+        &self,
+        plane: Point2<f64>,
+        by_direction: Matrix2x3<f64>,
+        (distorted, by_plane): (Point2<f64>, Matrix2<f64>),
+    ) -> Result<Trace, ProjectionError> {
         let image = collinearity::finite(self.interior.pixel_from_normalised(&distorted))?;
         let pixel_by_plane = self.interior.axes() * by_plane;
         let jacobian = pixel_by_plane * by_direction;
@@ -260,6 +279,32 @@ impl<P: CentralProjection, D: Distortion> Adjustable for CentralCamera<P, D> {
         by_group: &mut [&mut [f64]],
     ) -> Result<Point2<f64>, ProjectionError> {
         let trace = self.trace(&object.coords)?;
+        self.write_trace(&trace, object, by_object, by_group);
+        Ok(trace.image)
+    }
+
+    fn formula_partials(
+        &self,
+        object: &Point3<f64>,
+        by_object: &mut [f64; 6],
+        by_group: &mut [&mut [f64]],
+    ) -> Result<Point2<f64>, ProjectionError> {
+        let trace = self.formula_trace(&object.coords)?;
+        self.write_trace(&trace, object, by_object, by_group);
+        Ok(trace.image)
+    }
+}
+
+impl<P: CentralProjection, D: Distortion> CentralCamera<P, D> {
+    /// The partial derivatives of a traced image.
+    #[inline]
+    fn write_trace(
+        &self,
+        trace: &Trace,
+        object: &Point3<f64>,
+        by_object: &mut [f64; 6],
+        by_group: &mut [&mut [f64]],
+    ) {
         collinearity::write_rows(&trace.jacobian, by_object);
         for (group, out) in by_group.iter_mut().enumerate().filter(|(_, out)| !out.is_empty()) {
             let mut columns = [Vector2::zeros(); parameters::MOST];
@@ -282,6 +327,5 @@ impl<P: CentralProjection, D: Distortion> Adjustable for CentralCamera<P, D> {
             };
             write_columns(columns, &pixel_by_columns, out);
         }
-        Ok(trace.image)
     }
 }

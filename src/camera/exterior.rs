@@ -152,7 +152,7 @@ impl ExteriorOrientation {
     }
 
     /// Moved by a step of the centre and a left rotation vector δ: camera_from_world ← exp(\[δ\]×) R.
-    pub(super) fn moved(&self, step: &[f64]) -> Result<Self, Error> {
+    pub(crate) fn moved(&self, step: &[f64]) -> Result<Self, Error> {
         let [x, y, z, a, b, c] = parameters::read(step)?;
         if !step.iter().all(|s| s.is_finite()) {
             return Err(Error::NotFinite { what: "exterior orientation step" });

@@ -311,4 +311,36 @@ pub trait Adjustable {
         by_object: &mut [f64; 6],
         by_group: &mut [&mut [f64]],
     ) -> Result<Point2<f64>, ProjectionError>;
+
+    /// [`partials`](Self::partials) by the bare formula, outside the model's domain too where the formula has a value there:
+    /// behind a perspective camera, beyond the fold of a lens. For comparison with programs that know no domain; a point has
+    /// no image there. By default as [`partials`](Self::partials).
+    ///
+    /// # Errors
+    /// As the model's projection, for what the formula has no value.
+    ///
+    /// # Example
+    /// (1, 2, −8) is no point before the camera; X/Z and Y/Z are −1/8 and −1/4.
+    ///
+    /// ```
+    /// use collinear::InteriorOrientation;
+    /// use collinear::camera::{Adjustable, CentralCamera, Gnomonic};
+    /// use nalgebra::{Point2, Point3};
+    ///
+    /// let interior = InteriorOrientation::new([1000.0; 2], Point2::new(500.0, 400.0), 0.0)?;
+    /// let camera = CentralCamera::ideal(interior, Gnomonic);
+    /// let (point, mut slopes) = (Point3::new(1.0, 2.0, -8.0), [0.0; 6]);
+    /// assert!(camera.partials(&point, &mut slopes, &mut []).is_err());
+    /// assert_eq!(camera.formula_partials(&point, &mut slopes, &mut [])?, Point2::new(375.0, 150.0));
+    /// assert_eq!(slopes[..3], [-125.0, 0.0, -15.625]); // fx/Z, 0, −fx X/Z²
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    fn formula_partials(
+        &self,
+        object: &Point3<f64>,
+        by_object: &mut [f64; 6],
+        by_group: &mut [&mut [f64]],
+    ) -> Result<Point2<f64>, ProjectionError> {
+        self.partials(object, by_object, by_group)
+    }
 }

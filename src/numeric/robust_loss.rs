@@ -1,6 +1,7 @@
 //! Losses that keep blunders from ruling a fit.
 
 use super::float;
+use crate::error::Error;
 
 /// How a squared residual enters the cost: ρ(s) with s = (residual / scale)².
 ///
@@ -51,6 +52,27 @@ pub enum RobustLoss {
 }
 
 impl RobustLoss {
+    /// Refuses a scale that is not a positive number.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match *self {
+            Self::Huber { scale }
+            | Self::Cauchy { scale }
+            | Self::Tukey { scale }
+            | Self::Truncated { scale } => {
+                let what = "scale of a robust loss";
+                if scale.is_nan() {
+                    return Err(Error::NotFinite { what });
+                }
+                if !(scale > 0.0 && scale.is_finite()) {
+                    let expected = "a positive number";
+                    return Err(Error::OutOfRange { what, value: scale, expected });
+                }
+                Ok(())
+            }
+            Self::Squared => Ok(()),
+        }
+    }
+
     /// The loss of a squared residual, in squared units of the residual.
     #[must_use]
     pub fn cost(&self, squared: f64) -> f64 {

@@ -2,6 +2,7 @@
 
 pub(crate) mod convert;
 mod files;
+pub(crate) mod intersect;
 pub(crate) mod overlay;
 pub(crate) mod project;
 pub(crate) mod rectify;

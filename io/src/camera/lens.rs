@@ -54,6 +54,8 @@ macro_rules! lenses {
             Equirectangular,
             #[serde(rename = "cylindrical")]
             Cylindrical,
+            #[serde(rename = "film")]
+            Film,
             #[serde(rename = "colmap")]
             Colmap,
             #[serde(rename = "orthographic")]
@@ -69,6 +71,7 @@ macro_rules! lenses {
                     $(Self::$variant => $name,)*
                     Self::Equirectangular => "equirectangular",
                     Self::Cylindrical => "cylindrical",
+                    Self::Film => "film",
                     Self::Colmap => "colmap",
                     Self::Orthographic => "orthographic",
                 }

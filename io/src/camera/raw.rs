@@ -40,6 +40,8 @@ fields! {
     projection: FisheyeProjection,
     principal_distance: [f64; 2],
     principal_distance_mm: f64,
+    principal_point_mm: [f64; 2],
+    fiducials: Vec<[f64; 4]>,
     pixels_per_unit: [f64; 2],
     principal_point: [f64; 2],
     skew: f64,
@@ -84,6 +86,16 @@ impl RawInterior {
             return Ok(Interior::Colmap {
                 model: colmap.ok_or_else(|| need("colmap_model"))?,
                 parameters: parameters.ok_or_else(|| need("parameters"))?,
+            });
+        }
+        if let Model::Film = model {
+            self.principal_point = principal_point;
+            let distance = self.principal_distance_mm.take();
+            let (point, fiducials) = (self.principal_point_mm.take(), self.fiducials.take());
+            return Ok(Interior::Film {
+                principal_distance_mm: distance.ok_or_else(|| need("principal_distance_mm"))?,
+                principal_point_mm: point.unwrap_or_default(),
+                fiducials: fiducials.ok_or_else(|| need("fiducials"))?,
             });
         }
         let point = principal_point.ok_or_else(|| need("principal_point"));
@@ -149,6 +161,12 @@ impl From<Interior> for RawInterior {
                 colmap_model: Some(model),
                 parameters: Some(parameters),
                 ..Self::empty(Model::Colmap)
+            },
+            Interior::Film { principal_distance_mm, principal_point_mm, fiducials } => Self {
+                principal_distance_mm: Some(principal_distance_mm),
+                principal_point_mm: (principal_point_mm != [0.0; 2]).then_some(principal_point_mm),
+                fiducials: Some(fiducials),
+                ..Self::empty(Model::Film)
             },
             Interior::Orthographic { pixels_per_unit, principal_point } => Self {
                 pixels_per_unit: Some(pixels_per_unit),

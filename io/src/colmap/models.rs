@@ -147,7 +147,9 @@ impl Camera {
                     parameters,
                 })
             }
-            Interior::Panorama { .. } | Interior::Orthographic { .. } => refused(none),
+            Interior::Panorama { .. } | Interior::Film { .. } | Interior::Orthographic { .. } => {
+                refused(none)
+            }
         }
     }
 }

@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Point2, Point3};
 
 pub use self::robust::{RobustResection, resect_robust};
 use self::solve::{Minimised, Observed, Task};
+use self::start::Starts;
 use super::precision::Precision;
 use super::report::{ObservationReport, Report};
 use super::unknowns::{Columns, Unknown};
@@ -24,7 +25,7 @@ use crate::numeric::robust_loss::RobustLoss;
 /// # Example
 /// ```
 /// use collinear::adjust::{ControlPoint, Precision};
-/// use nalgebra::{Matrix3, Point2, Point3};
+/// use nalgebra::{Point2, Point3};
 ///
 /// let control = ControlPoint::new(Point3::new(36589.41, 25273.32, 2195.17), Point2::new(812.5, 410.25))
 ///     .with_precision(Precision::Sigma(0.3))
@@ -126,8 +127,8 @@ impl<S> Resection<S> {
     /// What the report says of a control point's image, x and y; `None` past the last point.
     #[must_use]
     pub fn image_report(&self, point: usize) -> Option<[ObservationReport; 2]> {
-        let first = *self.first.get(point)?;
-        Some([*self.report.values.get(first)?, *self.report.values.get(first + 1)?])
+        let (first, next) = (*self.first.get(point)?, *self.first.get(point + 1)?);
+        self.report.values.get(first..next)?.first_chunk().copied()
     }
 
     /// What the report says of a control point's place, X, Y and Z; `None` where it was free of error.
@@ -195,7 +196,7 @@ impl<C> Resection<Frame<C>> {
 /// use collinear::InteriorOrientation;
 /// use collinear::adjust::{ControlPoint, ResectionOptions, resect};
 /// use collinear::geometry::Affine2;
-/// use nalgebra::{Matrix3, Point2, Point3};
+/// use nalgebra::{Point2, Point3};
 ///
 /// // With the identity image coordinates are photo millimetres, y up.
 /// let camera = InteriorOrientation::from_photogrammetric(153.24, Point2::origin(), &Affine2::identity())?;
@@ -218,17 +219,18 @@ pub fn resect<C: CentralModel + Adjustable + Clone>(
     control: &[ControlPoint],
     options: &ResectionOptions,
 ) -> Result<Resection<Frame<C>>, Error> {
+    options.loss.check()?;
     let points = observed(control)?;
     start::check_distinct(&points)?;
     let mut starts = start::poses(camera, &points)?;
-    starts.extend(options.start);
-    let first = Frame::new(starts[0], camera.clone());
+    starts.others.extend(options.start);
+    let first = Frame::new(starts.minima[0], camera.clone());
     let pose_only = Columns::resolve(&first, &[Unknown::group(0)])?;
     let columns = Columns::resolve(&first, &options.unknowns)?;
     check_enough(&points, &columns)?;
     let pose = Task { points: &points, columns: &pose_only, options };
     let mut solutions = refined(starts, camera, &pose)?.into_iter();
-    let Some(mut best) = solutions.next() else { return Err(start::NO_SIGHT) };
+    let Some(mut best) = solutions.next() else { return Err(start::no_sight(0.0)) };
     let other = solutions
         .next()
         .map(|s| OtherPose { exterior: s.sensor.exterior, cost: s.convergence.final_cost });
@@ -277,6 +279,7 @@ pub fn resect_from<S: SensorModel + Adjustable + Clone>(
     control: &[ControlPoint],
     options: &ResectionOptions,
 ) -> Result<Resection<S>, Error> {
+    options.loss.check()?;
     let points = observed(control)?;
     let columns = Columns::resolve(sensor, &options.unknowns)?;
     check_enough(&points, &columns)?;
@@ -315,33 +318,41 @@ fn check_enough(points: &[Observed], columns: &Columns) -> Result<(), Error> {
 
 /// Solutions farther from the best than this, by their starts' costs, are not worth refining, unless the points are flat.
 const HOPELESS: f64 = 400.0;
-/// So many are refined at most.
+/// So many minima of the object-space error are refined at most, and as many of the other starts: those often lie in one valley, and
+/// would leave the second solution out.
 const REFINED: usize = 4;
 
 /// The poses that no small change improves, best first: at least one.
 fn refined<C: CentralModel + Adjustable + Clone>(
-    starts: Vec<ExteriorOrientation>,
+    starts: Starts,
     camera: &C,
     task: &Task<'_>,
 ) -> Result<Vec<Minimised<Frame<C>>>, Error> {
-    let mut costs = Vec::with_capacity(starts.len());
+    let Starts { minima, others } = starts;
+    let mut costs = Vec::with_capacity(minima.len() + others.len());
     let mut reason = None;
-    for exterior in starts {
+    let sources = minima.into_iter().map(|e| (0, e)).chain(others.into_iter().map(|e| (1, e)));
+    for (source, exterior) in sources {
         let frame = Frame::new(exterior, camera.clone());
         match task.cost(&frame) {
-            Ok(cost) => costs.push((cost, frame)),
+            Ok(cost) => costs.push((cost, frame, source)),
             Err(e) => reason = reason.or(Some(e)),
         }
     }
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some(least) = costs.first().map(|c| c.0) else {
-        return Err(reason.map_or(start::NO_SIGHT, Error::Projection));
+        return Err(reason.map_or(start::no_sight(0.0), Error::Projection));
     };
     let mut solutions: Vec<Minimised<Frame<C>>> = Vec::new();
-    for (cost, frame) in costs.into_iter().take(REFINED) {
+    let mut refined = [0; 2];
+    for (cost, frame, source) in costs {
         if cost > HOPELESS * least && !solutions.is_empty() {
             break;
         }
+        if refined[source] == REFINED {
+            continue;
+        }
+        refined[source] += 1;
         let found = task.minimise(&frame);
         let rotation = |s: &Frame<C>| *s.exterior.camera_from_world().matrix();
         let same =

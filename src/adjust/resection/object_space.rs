@@ -32,6 +32,8 @@ pub(super) struct Minimum {
     pub(super) error: f64,
 }
 
+/// Σ wV of lines of sight that are one is singular but for rounding: its least eigenvalue over the sum of the weights.
+pub(super) const LEAST_SPREAD: f64 = 16.0 * f64::EPSILON;
 /// Minima closer than this are one.
 const SAME: f64 = 0.03;
 /// A descent ends after a step as short, Newton's next being its square, if it brought no more than a part of the error: points near
@@ -42,10 +44,13 @@ const FLAT: f64 = 1e-3;
 const FARTHEST: f64 = 1.5;
 
 impl ObjectSpace {
-    /// From points about their centre and unit directions with weights; `None` where the directions all agree.
+    /// From points about their centre and unit directions with weights.
+    ///
+    /// # Errors
+    /// How little the directions differ, where it is not more than [`LEAST_SPREAD`].
     pub(super) fn new(
         points: impl Iterator<Item = (Vector3<f64>, Vector3<f64>, f64)>,
-    ) -> Option<Self> {
+    ) -> Result<Self, f64> {
         // Of V ⊗ X Xᵀ only the six different elements of either factor: 36 sums.
         let mut products = [[0.0; 6]; 6];
         let mut across = [[0.0; 3]; 6];
@@ -65,7 +70,12 @@ impl ObjectSpace {
             }
         }
         const AT: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
-        let inverse = Matrix3::from_fn(|i, j| sum[AT[i][j]]).try_inverse()?;
+        let sum = Matrix3::from_fn(|i, j| sum[AT[i][j]]);
+        // λ₁λ₂λ₃ over λ₁λ₂ + λ₁λ₃ + λ₂λ₃, of which the least is small, over half the trace, λ₁ + λ₂ + λ₃ = 2 Σ w.
+        let (trace, squares) = (sum.trace(), sum.norm_squared());
+        let spread = sum.determinant() / (0.25 * trace * (trace * trace - squares));
+        let inverse = if spread > LEAST_SPREAD { sum.try_inverse() } else { None };
+        let inverse = inverse.ok_or(if spread > 0.0 { spread } else { 0.0 })?;
         let linear = SMatrix::<f64, 3, 9>::from_fn(|i, k| across[AT[i][k / 3]][k % 3]);
         let translation = -(inverse * linear);
         let omega = core::array::from_fn(|k| {
@@ -75,7 +85,7 @@ impl ObjectSpace {
             })
         });
         let finite = omega.iter().flatten().all(|v: &f64| v.is_finite());
-        finite.then_some(Self { omega, translation })
+        if finite { Ok(Self { omega, translation }) } else { Err(0.0) }
     }
 
     /// t of a rotation: the centre of the points in camera axes.

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::object_space::ObjectSpace;
+use super::object_space::{LEAST_SPREAD, ObjectSpace};
 use super::solve::Observed;
 use crate::adjust::p3p;
 use crate::camera::{CentralModel, ExteriorOrientation};
@@ -13,12 +13,11 @@ use crate::geometry::rotation::orthonormalised;
 use crate::numeric::float;
 use crate::numeric::triangular::Triangular;
 
-/// All lines of sight are one.
-pub(super) const NO_SIGHT: Error = Error::Degenerate {
-    what: "resection: directions of the image points",
-    measure: 0.0,
-    limit: 0.0,
-};
+/// All lines of sight are one; the measure is their mean squared sine from the middle one, about.
+pub(super) fn no_sight(measure: f64) -> Error {
+    let what = "resection: directions of the image points";
+    Error::Degenerate { what, measure, limit: LEAST_SPREAD }
+}
 
 /// Three points leave up to four poses, a fourth tells which.
 const LEAST_POINTS: usize = 4;
@@ -37,11 +36,16 @@ pub(super) fn check_distinct(points: &[Observed]) -> Result<(), Error> {
     Err(Error::TooFewPoints { needed: LEAST_POINTS, got: different.len() })
 }
 
-/// Every pose at a minimum of the object-space error, least error first, some of them with points behind the camera.
-pub(super) fn poses<C: CentralModel>(
-    camera: &C,
-    points: &[Observed],
-) -> Result<Vec<ExteriorOrientation>, Error> {
+/// Poses to start from, some of them with points behind the camera.
+pub(super) struct Starts {
+    /// Every minimum of the object-space error, least error first: one at least.
+    pub(super) minima: Vec<ExteriorOrientation>,
+    /// What else to try, in no order.
+    pub(super) others: Vec<ExteriorOrientation>,
+}
+
+/// The poses that the points give by themselves.
+pub(super) fn poses<C: CentralModel>(camera: &C, points: &[Observed]) -> Result<Starts, Error> {
     let (center, size) = extent(points)?;
     let mut sights = Vec::with_capacity(points.len());
     for point in points {
@@ -51,17 +55,17 @@ pub(super) fn poses<C: CentralModel>(
     // The heaviest point has weight one, so that no weight leaves the numbers.
     let most = sights.iter().map(|s| s.2).fold(0.0, f64::max);
     let scaled = sights.iter().map(|(x, f, w)| (*x, *f, w / most));
-    let space = ObjectSpace::new(scaled).ok_or(NO_SIGHT)?;
-    let mut poses = Vec::new();
+    let space = ObjectSpace::new(scaled).map_err(no_sight)?;
+    let (mut minima, mut others) = (Vec::new(), Vec::new());
     for minimum in space.minima() {
         let rotation = orthonormalised(&minimum.rotation)?;
         let translation = space.translation(rotation.matrix()) * size;
-        poses.push(ExteriorOrientation::new(center - rotation.inverse() * translation, rotation));
+        minima.push(ExteriorOrientation::new(center - rotation.inverse() * translation, rotation));
     }
     if points.len() <= FEW {
-        poses.extend(from_triples(points, &sights));
+        others.extend(from_triples(points, &sights));
     }
-    Ok(poses)
+    Ok(Starts { minima, others })
 }
 
 /// Up to so many points the poses of their triples are tried too: minima lie close together then.

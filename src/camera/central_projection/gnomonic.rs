@@ -47,6 +47,19 @@ impl CentralProjection for Gnomonic {
     }
 
     #[inline]
+    fn plane_formula_jacobian(
+        &self,
+        direction: &Vector3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+        if !(direction.z < 0.0) {
+            return self.plane_jacobian(direction);
+        }
+        // The antipode has the same image and the opposite slopes.
+        let (plane, jacobian) = self.plane_jacobian(&-direction)?;
+        Ok((plane, -jacobian))
+    }
+
+    #[inline]
     fn direction(&self, plane: &Point2<f64>) -> Result<Vector3<f64>, ProjectionError> {
         Ok(collinearity::unit_direction(&collinearity::finite(*plane)?))
     }

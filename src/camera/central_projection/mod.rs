@@ -49,6 +49,19 @@ pub trait CentralProjection: Parametrised {
         direction: &Vector3<f64>,
     ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError>;
 
+    /// The bare formula with its partial derivatives, beyond the domain too where it has a value there: X/Z and Y/Z of a
+    /// direction behind a perspective camera, which are those of its antipode. By default as
+    /// [`plane_jacobian`](Self::plane_jacobian).
+    ///
+    /// # Errors
+    /// As [`plane`](Self::plane), for what the formula has no value.
+    fn plane_formula_jacobian(
+        &self,
+        direction: &Vector3<f64>,
+    ) -> Result<(Point2<f64>, Matrix2x3<f64>), ProjectionError> {
+        self.plane_jacobian(direction)
+    }
+
     /// The direction, of unit length, of a plane point.
     ///
     /// # Errors

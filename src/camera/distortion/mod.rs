@@ -55,6 +55,18 @@ pub trait Distortion: Parametrised {
         ideal: &Point2<f64>,
     ) -> Result<(Point2<f64>, Matrix2<f64>), ProjectionError>;
 
+    /// The bare formula with ∂(x″, y″)/∂(x, y), beyond the fold too where it has a value there. By default as
+    /// [`distort_jacobian`](Self::distort_jacobian).
+    ///
+    /// # Errors
+    /// As [`distort`](Self::distort), for what the formula has no value.
+    fn distort_formula_jacobian(
+        &self,
+        ideal: &Point2<f64>,
+    ) -> Result<(Point2<f64>, Matrix2<f64>), ProjectionError> {
+        self.distort_jacobian(ideal)
+    }
+
     /// Ideal point of a distorted point, with the report of its iteration.
     ///
     /// # Errors
@@ -141,6 +153,21 @@ macro_rules! planar_distortion {
             > {
                 let distorted = super::one_to_one::OneToOne::checked(&self.0, ideal)?;
                 Ok((distorted, super::one_to_one::OneToOne::jacobian(&self.0, ideal)))
+            }
+
+            #[inline]
+            fn distort_formula_jacobian(
+                &self,
+                ideal: &nalgebra::Point2<f64>,
+            ) -> Result<
+                (nalgebra::Point2<f64>, nalgebra::Matrix2<f64>),
+                $crate::error::ProjectionError,
+            > {
+                let distorted = super::one_to_one::OneToOne::value(&self.0, ideal);
+                Ok((
+                    super::finite(distorted)?,
+                    super::one_to_one::OneToOne::jacobian(&self.0, ideal),
+                ))
             }
 
             fn undistort(

@@ -1,0 +1,287 @@
+//! What takes part in an adjustment, in the order in which it is worked through.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use nalgebra::{Point3, Vector3};
+
+use super::problem::{Bundle, Kind, Seen};
+use super::{Exclusion, OutsideRule, state::State};
+use crate::camera::{Adjustable, CentralModel};
+use crate::error::{Error, ProjectionError};
+
+/// How a point enters the normal equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// It is eliminated before the photographs.
+    Eliminated,
+    /// It stays in the reduced system, at this place among those that do: a distance ties it to another.
+    Kept(u32),
+    /// It is known, or nothing observes it: no unknown.
+    Constant,
+}
+
+/// The observations that take part, sorted by point and photograph, and the places of the unknowns.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    /// The numbers of the observations, sorted.
+    pub(super) order: Vec<u32>,
+    /// Where the observations of each point begin, and the end.
+    pub(super) first: Vec<usize>,
+    /// For each photograph, the places of its observations in `order`.
+    pub(super) by_image: Vec<u32>,
+    /// Where those of each photograph begin, and the end.
+    pub(super) image_first: Vec<usize>,
+    pub(super) roles: Vec<Role>,
+    /// The points that are kept.
+    pub(super) kept: Vec<u32>,
+    /// Observations that take no part, with the reason.
+    pub(super) excluded: Vec<(u32, Exclusion)>,
+    /// Columns of a photograph's own block.
+    pub(super) own: usize,
+    /// All columns of a photograph: its own block and, where cameras are shared, its camera's.
+    pub(super) total: usize,
+    /// For each camera, the points it sees; empty where no camera is shared.
+    pub(super) camera_points: Vec<Vec<u32>>,
+    /// The spread of the object points, by which lengths are judged.
+    pub(super) extent: f64,
+}
+
+impl Layout {
+    pub(super) fn new<C: CentralModel + Adjustable + Clone>(
+        bundle: &Bundle<C>,
+        state: &State<C>,
+        outside: OutsideRule,
+    ) -> Result<Self, Error> {
+        let (images, points) = (bundle.images.len(), bundle.points.len());
+        let mut excluded = Vec::new();
+        let mut takes_part = vec![true; bundle.seen.len()];
+        for (i, seen) in bundle.seen.iter().enumerate() {
+            let reason = match super::evaluate::image_of(bundle, state, seen, outside) {
+                Ok(_) => continue,
+                Err(ProjectionError::BehindCamera { .. }) => Exclusion::BehindCamera,
+                Err(_) => Exclusion::OutsideDomain,
+            };
+            takes_part[i] = false;
+            excluded.push((i as u32, reason));
+        }
+        // A point with one ray and no coordinates of its own says nothing of the block.
+        let mut rays = vec![0_u32; points];
+        let active = |takes_part: &[bool], i: usize| takes_part.get(i).copied().unwrap_or(false);
+        for (i, seen) in bundle.seen.iter().enumerate().filter(|(i, _)| active(&takes_part, *i)) {
+            let _ = i;
+            rays[seen.point as usize] += 1;
+        }
+        let mut roles: Vec<Role> = bundle
+            .points
+            .iter()
+            .zip(&rays)
+            .map(|(object, rays)| match object.kind {
+                Kind::Fixed => Role::Constant,
+                Kind::Pass if *rays < 2 => Role::Constant,
+                _ => Role::Eliminated,
+            })
+            .collect();
+        for (i, seen) in bundle.seen.iter().enumerate() {
+            let point = seen.point as usize;
+            if takes_part[i] && rays[point] < 2 && bundle.points[point].kind == Kind::Pass {
+                takes_part[i] = false;
+                excluded.push((i as u32, Exclusion::SingleRay));
+            }
+        }
+        excluded.sort_unstable_by_key(|(i, _)| *i);
+        let mut kept: Vec<u32> = bundle.distances.iter().flat_map(|d| d.ends).collect();
+        kept.sort_unstable();
+        kept.dedup();
+        for end in &kept {
+            let (object, rays) = (&bundle.points[*end as usize], rays[*end as usize]);
+            if object.kind == Kind::Pass && rays < 2 {
+                return Err(Error::TooFewPoints { needed: 2, got: rays as usize });
+            }
+        }
+        kept.retain(|p| roles[*p as usize] == Role::Eliminated);
+        for (place, point) in kept.iter().enumerate() {
+            roles[*point as usize] = Role::Kept(place as u32);
+        }
+        let mut order: Vec<u32> = (0..bundle.seen.len() as u32).collect();
+        order.retain(|i| active(&takes_part, *i as usize));
+        order.shrink_to_fit();
+        let key = |i: &u32| {
+            let seen = &bundle.seen[*i as usize];
+            (seen.point, seen.image, *i)
+        };
+        if !order.is_sorted_by_key(key) {
+            order.sort_unstable_by_key(key);
+        }
+        let mut first = vec![0; points + 1];
+        let mut image_first = vec![0; images + 1];
+        for i in &order {
+            let seen = &bundle.seen[*i as usize];
+            first[seen.point as usize + 1] += 1;
+            image_first[seen.image as usize + 1] += 1;
+        }
+        for list in [&mut first, &mut image_first] {
+            for i in 1..list.len() {
+                list[i] += list[i - 1];
+            }
+        }
+        let mut by_image = vec![0; order.len()];
+        let mut next = image_first.clone();
+        for (place, i) in order.iter().enumerate() {
+            let slot = &mut next[bundle.seen[*i as usize].image as usize];
+            by_image[*slot] = place as u32;
+            *slot += 1;
+        }
+        let of_camera = bundle.cameras.iter().map(|c| c.columns.len()).max().unwrap_or(0);
+        let mut users = vec![0_u32; bundle.cameras.len()];
+        for image in &bundle.images {
+            users[image.camera as usize] += 1;
+        }
+        let shared = of_camera > 0 && users.iter().any(|u| *u > 1);
+        let total = 6 + of_camera;
+        let mut layout = Self {
+            order,
+            first,
+            by_image,
+            image_first,
+            roles,
+            kept,
+            excluded,
+            own: if shared { 6 } else { total },
+            total,
+            camera_points: Vec::new(),
+            extent: extent(bundle),
+        };
+        if shared {
+            layout.list_camera_points(bundle);
+        }
+        layout.check(bundle)?;
+        Ok(layout)
+    }
+
+    fn list_camera_points<C>(&mut self, bundle: &Bundle<C>) {
+        let mut lists = vec![Vec::new(); bundle.cameras.len()];
+        for point in 0..bundle.points.len() {
+            for place in self.first[point]..self.first[point + 1] {
+                let seen = &bundle.seen[self.order[place] as usize];
+                let list: &mut Vec<u32> =
+                    &mut lists[bundle.images[seen.image as usize].camera as usize];
+                if list.last() != Some(&(point as u32)) {
+                    list.push(point as u32);
+                }
+            }
+        }
+        self.camera_points = lists;
+    }
+
+    /// The observation at a place.
+    #[inline]
+    pub(super) fn seen<'a, C>(&self, bundle: &'a Bundle<C>, place: usize) -> &'a Seen {
+        &bundle.seen[self.order[place] as usize]
+    }
+
+    /// Columns of a camera's block in the reduced system.
+    pub(super) fn of_camera(&self) -> usize {
+        self.total - self.own
+    }
+
+    /// Where the columns of a camera begin in the reduced system.
+    #[inline]
+    pub(super) fn camera_column(&self, images: usize, camera: usize) -> usize {
+        images * self.own + camera * self.of_camera()
+    }
+
+    /// Where the columns of a kept point begin.
+    pub(super) fn kept_column<C>(&self, bundle: &Bundle<C>, place: usize) -> usize {
+        self.camera_column(bundle.images.len(), bundle.cameras.len()) + 3 * place
+    }
+
+    /// The size of the reduced system.
+    pub(super) fn reduced<C>(&self, bundle: &Bundle<C>) -> usize {
+        self.kept_column(bundle, self.kept.len())
+    }
+
+    /// Refuses photographs that too little is known of, and blocks in parts that nothing ties.
+    fn check<C>(&self, bundle: &Bundle<C>) -> Result<(), Error> {
+        if self.order.is_empty() {
+            return Err(Error::TooFewPoints { needed: 3, got: 0 });
+        }
+        for (image, range) in bundle.images.iter().zip(self.image_first.windows(2)) {
+            // Six numbers are unknown, a point gives two.
+            if !image.held && range[1] - range[0] < 3 {
+                return Err(Error::TooFewPoints { needed: 3, got: range[1] - range[0] });
+            }
+        }
+        let parts = self.parts(bundle);
+        if parts > 1 {
+            return Err(Error::OutOfRange {
+                what: "number of parts of the block that nothing ties together",
+                value: parts as f64,
+                expected: "1, or three control points or a held photograph in each",
+            });
+        }
+        Ok(())
+    }
+
+    /// The number of connected parts that have no datum of their own, and one more where another has: two or more of them
+    /// cannot be placed to each other.
+    fn parts<C>(&self, bundle: &Bundle<C>) -> usize {
+        let images = bundle.images.len();
+        let mut parent: Vec<u32> = (0..(images + bundle.points.len()) as u32).collect();
+        fn root(parent: &mut [u32], mut of: u32) -> u32 {
+            while parent[of as usize] != of {
+                let up = parent[parent[of as usize] as usize];
+                parent[of as usize] = up;
+                of = up;
+            }
+            of
+        }
+        for place in 0..self.order.len() {
+            let seen = self.seen(bundle, place);
+            // A known point ties nothing.
+            if self.roles[seen.point as usize] != Role::Constant {
+                let a = root(&mut parent, seen.image);
+                let b = root(&mut parent, images as u32 + seen.point);
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+        for distance in &bundle.distances {
+            let [a, b] = distance.ends.map(|e| root(&mut parent, images as u32 + e));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+        // Three given points, photographs' positions, or a held photograph place a part.
+        let mut given = vec![0_u32; parent.len()];
+        for (i, image) in bundle.images.iter().enumerate() {
+            let part = root(&mut parent, i as u32) as usize;
+            given[part] += if image.held { 3 } else { u32::from(image.position.is_some()) };
+        }
+        for place in 0..self.order.len() {
+            let seen = self.seen(bundle, place);
+            let point = seen.point as usize;
+            let known = matches!(bundle.points[point].kind, Kind::Fixed | Kind::Control { .. });
+            let last = place + 1 == self.first[point + 1];
+            if known && (last || self.roles[point] == Role::Constant) {
+                given[root(&mut parent, seen.image) as usize] += 1;
+            }
+        }
+        let mut placed = 0;
+        let mut loose = 0;
+        for i in 0..images as u32 {
+            if root(&mut parent, i) == i {
+                if given[i as usize] >= 3 { placed = 1 } else { loose += 1 }
+            }
+        }
+        loose + placed * usize::from(loose > 0)
+    }
+}
+
+/// The root mean square distance of the points from their middle; 1 where there is none.
+fn extent<C>(bundle: &Bundle<C>) -> f64 {
+    let n = bundle.points.len().max(1) as f64;
+    let middle: Vector3<f64> =
+        bundle.points.iter().map(|p| p.start.coords / n).fold(Vector3::zeros(), |a, b| a + b);
+    let middle = Point3::from(middle);
+    let spread: f64 = bundle.points.iter().map(|p| (p.start - middle).norm_squared() / n).sum();
+    let spread = spread.sqrt();
+    if spread > 0.0 && spread.is_finite() { spread } else { 1.0 }
+}

@@ -1,0 +1,270 @@
+//! The normal equations of a block, with the blocks that tie photographs to points kept apart.
+//!
+//! ```text
+//! ⎛ U   W ⎞ ⎛ δ_c ⎞     ⎛ g_c ⎞
+//! ⎝ Wᵀ  V ⎠ ⎝ δ_p ⎠ = − ⎝ g_p ⎠
+//! ```
+//! U of photographs and cameras, V block diagonal of the points, W one block an observation. Nothing else is stored: memory
+//! grows with the observations alone.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::engine::Engine;
+use super::evaluate::Rows;
+use super::layout::Role;
+use super::parallel;
+use super::problem::{Image, Kind, Position};
+use super::state::State;
+use super::width::Width;
+use crate::camera::{Adjustable, CentralModel, ExteriorOrientation};
+
+/// The linearisation of a block about a state.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Normal {
+    /// For each observation that takes part, three rows of the photograph's columns.
+    pub(super) w: Vec<f64>,
+    /// For each point the upper triangle of V: xx, xy, xz, yy, yz, zz.
+    pub(super) v: Vec<[f64; 6]>,
+    pub(super) point_gradient: Vec<[f64; 3]>,
+    /// For each photograph a square block of all its columns, upper triangle.
+    pub(super) u: Vec<f64>,
+    /// For each photograph the gradient by its columns.
+    pub(super) image_gradient: Vec<f64>,
+    /// The diagonal of U, and the gradient, in the order of the reduced system.
+    pub(super) diagonal: Vec<f64>,
+    pub(super) gradient: Vec<f64>,
+    /// The blocks of two points that a distance ties: for its first end and its second.
+    pub(super) tied: Vec<Matrix3<f64>>,
+    /// The cameras' parameters that were observed: camera, unknown, weight, distance from what was observed.
+    pub(super) observed: Vec<(usize, usize, f64, f64)>,
+}
+
+/// The part of a linearisation that belongs to a range of points.
+struct Part<'a> {
+    points: Range<usize>,
+    w: &'a mut [f64],
+    v: &'a mut [[f64; 6]],
+    gradient: &'a mut [[f64; 3]],
+    u: Vec<f64>,
+    image_gradient: Vec<f64>,
+}
+
+pub(super) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}
+
+pub(super) fn add_symmetric(v: &mut [f64; 6], m: &Matrix3<f64>) {
+    let upper = [m.m11, m.m12, m.m13, m.m22, m.m23, m.m33];
+    v.iter_mut().zip(upper).for_each(|(v, m)| *v += m);
+}
+
+/// Antenna minus observed, and ∂/∂δ of the antenna's position: ∂(Rᵀa) = −Rᵀ (δ × a) = Rᵀ [a]× δ.
+pub(super) fn position_residual(
+    exterior: &ExteriorOrientation,
+    position: &Position,
+) -> (Vector3<f64>, Matrix3<f64>) {
+    let back = exterior.camera_from_world().inverse();
+    let antenna: Point3<f64> = exterior.projection_center() + back * position.lever;
+    (antenna - position.given, back.matrix() * position.lever.cross_matrix())
+}
+
+impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, K> {
+    /// Linearises about a state and returns the largest scaled entry of the gradient.
+    pub(super) fn linearise_into(&self, state: &State<C>, normal: &mut Normal) -> f64 {
+        let (bundle, layout, k) = (self.bundle, self.layout, self.total.get());
+        let (images, points) = (bundle.images.len(), bundle.points.len());
+        normal.w.resize(layout.order.len() * 3 * k, 0.0);
+        normal.v.resize(points, [0.0; 6]);
+        normal.point_gradient.resize(points, [0.0; 3]);
+        let (mut w, mut v, mut g) =
+            (&mut normal.w[..], &mut normal.v[..], &mut normal.point_gradient[..]);
+        let mut parts: Vec<Part<'_>> = parallel::parts(&layout.first)
+            .into_iter()
+            .map(|range| Part {
+                w: parallel::take(
+                    &mut w,
+                    (layout.first[range.end] - layout.first[range.start]) * 3 * k,
+                ),
+                v: parallel::take(&mut v, range.len()),
+                gradient: parallel::take(&mut g, range.len()),
+                points: range,
+                u: Vec::new(),
+                image_gradient: Vec::new(),
+            })
+            .collect();
+        parallel::for_each(&mut parts, |_, part| self.linearise_part(state, part));
+        normal.u.clear();
+        normal.u.resize(images * k * k, 0.0);
+        normal.image_gradient.clear();
+        normal.image_gradient.resize(images * k, 0.0);
+        for part in parts {
+            normal.u.iter_mut().zip(&part.u).for_each(|(a, b)| *a += b);
+            normal.image_gradient.iter_mut().zip(&part.image_gradient).for_each(|(a, b)| *a += b);
+        }
+        self.add_given(state, normal);
+        self.gather(state, normal);
+        self.scaled_gradient(normal)
+    }
+
+    fn linearise_part(&self, state: &State<C>, part: &mut Part<'_>) {
+        let (bundle, layout, k) = (self.bundle, self.layout, self.total.get());
+        part.u = vec![0.0; bundle.images.len() * k * k];
+        part.image_gradient = vec![0.0; bundle.images.len() * k];
+        let mut rows = Rows::default();
+        let begin = layout.first[part.points.start];
+        for (own, point) in part.points.clone().enumerate() {
+            let (mut v, mut g) = ([0.0; 6], [0.0; 3]);
+            for place in layout.first[point]..layout.first[point + 1] {
+                let seen = layout.seen(bundle, place);
+                let w = &mut part.w[(place - begin) * 3 * k..][..3 * k];
+                if rows.fill(bundle, state, seen, self.outside, k).is_err() {
+                    // The cost of such a state is infinite, and it is never linearised.
+                    w.fill(0.0);
+                    continue;
+                }
+                let [x, y] = rows.residual;
+                let weight = self.loss.weight(x * x + y * y);
+                if weight != 1.0 {
+                    rows.reweigh(weight.sqrt(), k);
+                }
+                let image = seen.image as usize;
+                let u = &mut part.u[image * k * k..][..k * k];
+                let image_gradient = &mut part.image_gradient[image * k..][..k];
+                accumulate(self.total, &rows, w, u, image_gradient);
+                let [[a, b, c], [d, e, f]] = rows.by_point;
+                let [x, y] = rows.residual;
+                v[0] += a * a + d * d;
+                v[1] += a * b + d * e;
+                v[2] += a * c + d * f;
+                v[3] += b * b + e * e;
+                v[4] += b * c + e * f;
+                v[5] += c * c + f * f;
+                g[0] += a * x + d * y;
+                g[1] += b * x + e * y;
+                g[2] += c * x + f * y;
+            }
+            part.v[own] = v;
+            part.gradient[own] = g;
+        }
+    }
+
+    /// Adds what was observed besides image points.
+    fn add_given(&self, state: &State<C>, normal: &mut Normal) {
+        let (bundle, k) = (self.bundle, self.total.get());
+        for (i, object) in bundle.points.iter().enumerate() {
+            if let Kind::Control { given, weight } = &object.kind {
+                add_symmetric(&mut normal.v[i], weight);
+                let pull = weight * (state.points[i] - given);
+                normal.point_gradient[i].iter_mut().zip(pull.iter()).for_each(|(g, p)| *g += p);
+            }
+        }
+        for (i, Image { held, position, .. }) in bundle.images.iter().enumerate() {
+            let Some(position) = position.as_ref().filter(|_| !held) else { continue };
+            let (off, by_turn) = position_residual(&state.exteriors[i], position);
+            let weighted = position.weight * by_turn;
+            let u = &mut normal.u[i * k * k..][..k * k];
+            let g = &mut normal.image_gradient[i * k..][..k];
+            let (turn, pull) = (by_turn.transpose() * weighted, position.weight * off);
+            let pull_turn = by_turn.transpose() * pull;
+            for a in 0..3 {
+                for b in 0..3 {
+                    u[a * k + b] += position.weight[(a, b)];
+                    u[a * k + 3 + b] += weighted[(a, b)];
+                    u[(3 + a) * k + 3 + b] += turn[(a, b)];
+                }
+                g[a] += pull[a];
+                g[3 + a] += pull_turn[a];
+            }
+        }
+        normal.tied.clear();
+        for distance in &bundle.distances {
+            let [a, b] = distance.ends.map(|e| e as usize);
+            let apart = state.points[a] - state.points[b];
+            let length = apart.norm();
+            let along = if length > 0.0 { apart / length } else { Vector3::zeros() };
+            let block = along * along.transpose() * distance.weight;
+            let pull = along * ((length - distance.length) * distance.weight);
+            add_symmetric(&mut normal.v[a], &block);
+            add_symmetric(&mut normal.v[b], &block);
+            for i in 0..3 {
+                normal.point_gradient[a][i] += pull[i];
+                normal.point_gradient[b][i] -= pull[i];
+            }
+            normal.tied.push(-block);
+        }
+    }
+
+    /// The diagonal and the gradient of the reduced system's unknowns.
+    fn gather(&self, state: &State<C>, normal: &mut Normal) {
+        let (bundle, layout) = (self.bundle, self.layout);
+        let (k, e, images) = (self.total.get(), self.own.get(), bundle.images.len());
+        let mut diagonal = vec![0.0; layout.reduced(bundle)];
+        let mut gradient = vec![0.0; diagonal.len()];
+        // The present values of parameters, where they were observed.
+        for (i, image) in bundle.images.iter().enumerate() {
+            let camera = image.camera as usize;
+            let shared = layout.camera_column(images, camera);
+            for c in 0..k {
+                let to = if c < e { i * e + c } else { shared + c - e };
+                diagonal[to] += normal.u[(i * k + c) * k + c];
+                gradient[to] += normal.image_gradient[i * k + c];
+            }
+        }
+        normal.observed = self.observed_parameters(state);
+        for (camera, column, weight, off) in normal.observed.iter().copied() {
+            let to = self.parameter_column(camera, column);
+            diagonal[to] += weight;
+            gradient[to] += weight * off;
+        }
+        for (place, point) in layout.kept.iter().enumerate() {
+            let to = layout.kept_column(bundle, place);
+            let v = normal.v[*point as usize];
+            for (c, d) in [v[0], v[3], v[5]].into_iter().enumerate() {
+                diagonal[to + c] = d;
+                gradient[to + c] = normal.point_gradient[*point as usize][c];
+            }
+        }
+        normal.diagonal = diagonal;
+        normal.gradient = gradient;
+    }
+
+    fn scaled_gradient(&self, normal: &Normal) -> f64 {
+        let scaled = |g: f64, d: f64| if d > 0.0 { g.abs() / d.sqrt() } else { 0.0 };
+        let reduced = normal.gradient.iter().zip(&normal.diagonal).map(|(g, d)| scaled(*g, *d));
+        let eliminated = |i: &usize| self.layout.roles[*i] == Role::Eliminated;
+        let points = (0..normal.v.len()).filter(eliminated).flat_map(|i| {
+            let (v, g) = (normal.v[i], normal.point_gradient[i]);
+            [scaled(g[0], v[0]), scaled(g[1], v[3]), scaled(g[2], v[5])]
+        });
+        reduced.chain(points).fold(0.0, |m, g| if g.is_nan() { g } else { f64::max(m, g) })
+    }
+}
+
+/// W = AᵀP, U += AᵀA and g += Aᵀr of one observation.
+#[inline(always)]
+fn accumulate<K: Width>(width: K, rows: &Rows, w: &mut [f64], u: &mut [f64], g: &mut [f64]) {
+    let k = width.get();
+    let (a, b) = (&rows.by_image[0][..k], &rows.by_image[1][..k]);
+    for c in 0..3 {
+        let (p, q) = (rows.by_point[0][c], rows.by_point[1][c]);
+        let w = &mut w[c * k..][..k];
+        for i in 0..k {
+            w[i] = a[i] * p + b[i] * q;
+        }
+    }
+    let [x, y] = rows.residual;
+    for i in 0..k {
+        g[i] += a[i] * x + b[i] * y;
+    }
+    for r in 0..k {
+        let (p, q) = (a[r], b[r]);
+        let u = &mut u[r * k..][..k];
+        for i in 0..k {
+            u[i] += a[i] * p + b[i] * q;
+        }
+    }
+}
