@@ -2,12 +2,12 @@
 
 use core::ops::Deref;
 
-use nalgebra::{Matrix3, Matrix5, Rotation3, SMatrix, SVector, Schur, Vector3};
+use nalgebra::{Matrix3, Matrix5, Rotation3, SMatrix, SVector, Schur, UnitVector3, Vector3};
 
 use super::p3p::unit_vector;
 use crate::error::Error;
-use crate::geometry::Pose;
 use crate::geometry::rotation::{RotationVector, orthonormalised};
+use crate::geometry::{Pose, axes};
 
 /// Up to ten motions, second_from_first with a base of length one, kept in place. It is a slice of [`Pose`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -372,10 +372,8 @@ pub(super) fn in_front(
 
 /// Two unit vectors across a unit vector and each other.
 pub(super) fn tangents(b: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let mut least = Vector3::zeros();
-    least[b.iamin()] = 1.0;
-    let first = b.cross(&least).normalize();
-    [first, b.cross(&first)]
+    let axes = axes(&UnitVector3::new_unchecked(*b));
+    [0, 1].map(|i| axes.matrix().column(i).into_owned())
 }
 
 /// b · (d × Rᵀ d′), with its derivatives by the base along the two tangents and by a left rotation vector of R.

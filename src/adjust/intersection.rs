@@ -9,7 +9,7 @@ use super::report::{self, Report};
 use super::settle::minimise_to_rounding;
 use crate::camera::SensorModel;
 use crate::error::{Error, ProjectionError};
-use crate::geometry::{Locus, Ray};
+use crate::geometry::{Locus, Ray, axes};
 use crate::numeric::float;
 use crate::numeric::least_squares::{Damped, LeastSquaresOptions, NormalEquations, Problem};
 use crate::numeric::robust_loss::RobustLoss;
@@ -111,7 +111,7 @@ fn meet(rays: &[Ray], weights: Option<&[f64]>) -> Result<NearestPoint, Error> {
         let w = weight(i) / heaviest;
         sum += w;
         let offset = (ray.origin - first) / base;
-        for across in across(&ray.direction) {
+        for across in axes(&ray.direction).matrix().column_iter().take(2) {
             let row = across * float::sqrt(w);
             equations.add_row([row.x, row.y, row.z, row.dot(&offset)]);
             directions.add_row(row.into());
@@ -136,14 +136,6 @@ fn meet(rays: &[Ray], weights: Option<&[f64]>) -> Result<NearestPoint, Error> {
         off: rays.iter().map(off).collect(),
         measure,
     })
-}
-
-/// Two unit vectors across a direction and each other.
-fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let mut least = Vector3::zeros();
-    least[direction.iamin()] = 1.0;
-    let first = direction.cross(&least).normalize();
-    [first, direction.cross(&first)]
 }
 
 /// A picture that shows the point.

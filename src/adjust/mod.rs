@@ -10,6 +10,7 @@ mod dlt;
 mod five_point;
 mod intersection;
 mod p3p;
+mod p4pf;
 mod precision;
 mod relative_orientation;
 mod report;
@@ -26,6 +27,7 @@ pub use intersection::{
     ImageObservation, Intersection, IntersectionOptions, NearestPoint, intersect, nearest_point,
 };
 pub use p3p::{PoseRoots, p3p};
+pub use p4pf::{FocalPose, p4pf};
 pub use precision::Precision;
 pub use relative_orientation::{
     ImagePair, RelativeOrientation, RelativeOrientationOptions, RobustRelativeOrientation,

@@ -243,9 +243,42 @@ fn trials_needed(inliers: usize, n: usize, sample: usize, confidence: f64) -> u3
     if trials.is_finite() { float::ceil(trials.min(f64::from(u32::MAX))) as u32 } else { u32::MAX }
 }
 
+/// log₁₀ of the number of models with `agreeing` of `n` observations that chance alone would give (a contrario: Moisan & Stival 2004), where
+/// a sample of `sample` observations determines up to `models` and another agrees with a wrong one with the probability `chance`.
+///
+/// ```text
+/// NFA = models (n − sample) C(n, k) C(k, sample) chance^(k − sample)
+/// ```
+#[cfg(feature = "std")]
+pub(crate) fn log10_false_alarms(
+    models: u32,
+    sample: usize,
+    n: usize,
+    agreeing: usize,
+    chance: f64,
+) -> f64 {
+    let choices = |n: usize, k: usize| -> f64 {
+        (0..k).map(|i| float::ln((n - i) as f64) - float::ln((i + 1) as f64)).sum()
+    };
+    let extra = agreeing.saturating_sub(sample);
+    let logarithm = float::ln(f64::from(models) * n.saturating_sub(sample).max(1) as f64)
+        + choices(n, agreeing.min(n))
+        + choices(agreeing, agreeing.min(sample))
+        + extra as f64 * float::ln(chance);
+    logarithm / core::f64::consts::LN_10
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(feature = "std")]
+    #[test]
+    fn false_alarms_of_a_small_case() {
+        // 4 (10 − 3) C(10, 5) C(5, 3) 0.01² = 28 · 252 · 10 · 10⁻⁴ = 7.056.
+        let found = log10_false_alarms(4, 3, 10, 5, 0.01);
+        assert!((found - 7.056f64.log10()).abs() < 1e-13, "{found}");
+    }
 
     /// y = a + b x.
     struct Line(Vec<[f64; 2]>);

@@ -29,6 +29,7 @@ mod mesh;
 mod orthophoto;
 mod output_models;
 mod p3p;
+mod p4pf;
 mod plane;
 mod plane_map;
 mod plane_map_edges;

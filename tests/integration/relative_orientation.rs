@@ -191,6 +191,24 @@ fn a_start_saves_the_search_and_five_pairs_are_then_enough() {
 }
 
 #[test]
+fn the_best_of_the_minima_is_kept() {
+    let options = RelativeOrientationOptions::default();
+    let mut same = 0;
+    for seed in 0..60 {
+        let (truth, pairs) = scene(500 + seed, 8, 1.0, 0);
+        let found = relative_orientation(&lens(), &lens(), &pairs, &options).unwrap();
+        let started = RelativeOrientationOptions { start: Some(truth), ..options };
+        let near = relative_orientation(&lens(), &lens(), &pairs, &started).unwrap();
+        let [cost, least] = [&found, &near].map(|o| o.report.convergence.final_cost);
+        // Few noisy pairs may have a better minimum far from the truth, but none worse is taken with all points in front.
+        let front = near.model.iter().all(Option::is_some);
+        assert!(cost <= least * (1.0 + 1e-9) || !front, "{seed} {cost} {least}");
+        same += u32::from(distance(&found.pose, &near.pose) < 1e-6);
+    }
+    assert!(same > 40, "{same}");
+}
+
+#[test]
 fn noise_moves_the_motion_as_the_covariance_says() {
     // Uniform noise of ±1 px: σ² = 1/3. Over 200 scenes the squared error of the rotation over its variance has the mean 3.
     let (mut sum, mut sigma) = (0.0, 0.0);
@@ -202,6 +220,7 @@ fn noise_moves_the_motion_as_the_covariance_says() {
             .map(|p| p.with_precision(Precision::Sigma((1.0f64 / 3.0).sqrt())))
             .collect();
         let found = relative_orientation(&lens(), &lens(), &pairs, &options).unwrap();
+        assert_eq!(found.report.sigma, 1.0);
         let turn = (truth.rotation * found.pose.rotation.inverse()).scaled_axis();
         let covariance = found.report.covariance.fixed_view::<3, 3>(2, 2).into_owned();
         sum += turn.dot(&(covariance.try_inverse().unwrap() * turn));

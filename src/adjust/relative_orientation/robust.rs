@@ -10,7 +10,7 @@ use crate::adjust::five_point::five_point;
 use crate::camera::CentralModel;
 use crate::error::Error;
 use crate::geometry::Pose;
-use crate::numeric::consensus::{ConsensusOptions, Estimator, search};
+use crate::numeric::consensus::{ConsensusOptions, Estimator, log10_false_alarms, search};
 use crate::numeric::float;
 use crate::numeric::least_squares::{LeastSquaresOptions, NormalEquations, minimise};
 use crate::numeric::robust_loss::RobustLoss;
@@ -147,15 +147,7 @@ fn false_alarms(pairs: &[ImagePair], agreeing: usize, threshold: f64, sights: &[
     let reach = threshold * float::sqrt(2.0 * variance);
     let (width, height) = (high[0] - low[0] + 2.0 * reach, high[1] - low[1] + 2.0 * reach);
     let chance = (2.0 * reach * float::hypot(width, height) / (width * height)).min(1.0);
-    let n = pairs.len();
-    let choices = |n: usize, k: usize| -> f64 {
-        (0..k).map(|i| float::ln((n - i) as f64) - float::ln((i + 1) as f64)).sum()
-    };
-    let logarithm = float::ln(10.0 * n.saturating_sub(5).max(1) as f64)
-        + choices(n, agreeing.min(n))
-        + choices(agreeing, agreeing.min(5))
-        + agreeing.saturating_sub(5) as f64 * float::ln(chance);
-    logarithm / core::f64::consts::LN_10
+    log10_false_alarms(10, 5, pairs.len(), agreeing, chance)
 }
 
 /// The motions between two cameras.

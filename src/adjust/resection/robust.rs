@@ -10,7 +10,7 @@ use crate::adjust::p3p;
 use crate::adjust::unknowns::{Columns, Unknown};
 use crate::camera::{Adjustable, CentralModel, ExteriorOrientation, Frame};
 use crate::error::Error;
-use crate::numeric::consensus::{ConsensusOptions, Estimator, search};
+use crate::numeric::consensus::{ConsensusOptions, Estimator, log10_false_alarms, search};
 use crate::numeric::float;
 use crate::numeric::least_squares::LeastSquaresOptions;
 
@@ -154,16 +154,7 @@ fn false_alarms(points: &[Observed], agreeing: usize, threshold: f64) -> f64 {
     let reach = threshold * float::sqrt(sigma);
     let area = (high[0] - low[0] + 2.0 * reach) * (high[1] - low[1] + 2.0 * reach);
     let chance = (core::f64::consts::PI * reach * reach / area).min(1.0);
-    let n = points.len();
-    let choices = |n: usize, k: usize| -> f64 {
-        (0..k).map(|i| float::ln((n - i) as f64) - float::ln((i + 1) as f64)).sum()
-    };
-    let extra = agreeing.saturating_sub(3);
-    let logarithm = float::ln(4.0 * n.saturating_sub(3).max(1) as f64)
-        + choices(n, agreeing.min(n))
-        + choices(agreeing, agreeing.min(3))
-        + extra as f64 * float::ln(chance);
-    logarithm / core::f64::consts::LN_10
+    log10_false_alarms(4, 3, points.len(), agreeing, chance)
 }
 
 /// The poses of one camera.
