@@ -3,6 +3,8 @@
 //! Every estimator minimises the weighted sum of squared residuals vᵀPv of what was observed, P the inverse of the
 //! observations' covariance: the maximum-likelihood answer where errors are normal. What it found comes with a
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
+//!
+#![doc = include_str!("../../docs/figures/adjust.svg")]
 
 mod absolute_orientation;
 pub mod bundle;

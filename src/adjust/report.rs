@@ -180,3 +180,27 @@ pub(super) fn cofactor(normal: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), Err
 
 /// One over the largest condition of normal equations whose inverse has a digit left.
 const LEAST_CONDITION: f64 = 1e-15;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two unknowns of correlation 1 − ε/2: the inverse exists in floats, its condition is 2 · 2/ε = 1.8 · 10¹⁶.
+    #[test]
+    fn an_inverse_without_a_digit_left_is_refused() {
+        let a = 1.0 - 0.5 * f64::EPSILON;
+        let normal = DMatrix::from_row_slice(2, 2, &[4.0, 6.0 * a, 6.0 * a, 9.0]);
+        match cofactor(&normal) {
+            Err(Error::Degenerate { measure, limit, .. }) => {
+                assert!((0.0..1e-15).contains(&measure) && limit == LEAST_CONDITION, "{measure}");
+            }
+            other => panic!("{other:?}"),
+        }
+        // Correlation 0.6: N⁻¹ = ((25, −15·2/3), (…, 100/9)) / 64, condition 1.6²/0.64 = 4.
+        let (q, condition) =
+            cofactor(&DMatrix::from_row_slice(2, 2, &[4.0, 3.6, 3.6, 9.0])).unwrap();
+        let expected = [0.390_625, -0.156_25, -0.156_25, 0.173_611_111_111_111_1];
+        assert!(q.iter().zip(expected).all(|(q, e)| (q - e).abs() < 1e-15), "{q}");
+        assert!((condition - 4.0).abs() < 1e-14);
+    }
+}

@@ -279,6 +279,24 @@ fn points_at_infinity_are_refused() {
     }
 }
 
+/// Six of ten points are somewhere else and say so.
+#[test]
+fn points_of_little_weight_lead_no_start_astray() {
+    let mut places = SIX[..4].to_vec();
+    places.extend(SIX.map(|[x, y, z]| [1.3 * y, -0.9 * x, z + 0.5 * x]));
+    let mut control = seen(&places);
+    for (i, point) in control[4..].iter_mut().enumerate() {
+        let turned = Vector2::new(1000.0 - point.image.x, 800.0 - point.image.y);
+        point.image = Point2::from(turned * (1.0 + 0.1 * i as f64));
+        *point = point.with_precision(Precision::Sigma(1e8));
+    }
+    let found = resect(&camera(), &control, &ResectionOptions::default()).unwrap();
+    let center = found.sensor.exterior.projection_center();
+    assert!(center.coords.amax() < 1e-8, "{center}");
+    let turn = found.sensor.exterior.camera_from_world().matrix() - Matrix3::identity();
+    assert!(turn.amax() < 1e-8, "{turn}");
+}
+
 #[test]
 fn unknowns_that_the_model_has_not_are_refused() {
     let of = |list: &[Unknown]| {
@@ -314,6 +332,8 @@ fn unknowns_that_the_model_has_not_are_refused() {
     // The same number in another group is another parameter.
     let apart = [Unknown::group(0), Unknown::parameter(1, 2)];
     assert!(resect(&camera(), &seen(&SIX), &unknowns(&apart)).is_ok());
+    let apart = [Unknown::parameter(0, 2), Unknown::parameter(1, 2)];
+    assert!(resect_from(&level(camera()), &seen(&SIX), &unknowns(&apart)).is_ok());
 }
 
 #[test]

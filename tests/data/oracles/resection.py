@@ -158,6 +158,9 @@ class Scene:
                 rows.append([columns[k][2 * i + j] for k in range(u)] + [mp.mpf(0)] * (total - u))
                 v.append(here[j])
             squared = (here.T * p * here)[0]
+            if i in moved:  # a loss is of the whole point
+                off = mp.matrix([mpf(a) - b for a, b in zip(self.objects[i], objects[i])])
+                squared += (off.T * mp.matrix(self.ocov[i].tolist()) ** -1 * off)[0]
             weight = mp.mpf(1)
             if self.loss:
                 kind, k = self.loss
@@ -181,7 +184,7 @@ class Scene:
                     row[first + k] = mp.mpf(1)
                     rows.append(row)
                     v.append(mpf(self.objects[i][k]) - objects[i][k])
-                blocks.append(mp.matrix(self.ocov[i].tolist()) ** -1)
+                blocks.append(mp.matrix(self.ocov[i].tolist()) ** -1 * weight)
         for k, (name, start, sigma) in enumerate(self.extra):
             if sigma is not None:
                 row = [mp.mpf(0)] * total
@@ -456,6 +459,12 @@ def scenes():
     around = dict(make=lambda r: np.round(r.uniform(-4, 4, (8, 3)), 6), distance=0.8)
     yield scene("fisheye", "general", 8, 38, camera=dict(FRAME, kind="fisheye", f=300.0, fy=300.0), **around).document()
     yield scene("panorama", "general", 8, 39, camera=dict(FRAME, kind="panorama", f=600.0, fy=610.0), **around).document()
+    apart = np.random.default_rng(6)
+    axes = [np.diag(v) for v in np.round(apart.uniform(0.1, 2.0, (7, 2)), 3)]
+    bounds = [np.diag(v) for v in np.round(apart.uniform(1e-6, 9e-6, (7, 3)), 8)]
+    yield scene("deviations of each axis", "general", 7, 44, cov=axes, ocov=bounds).document()
+    spread = [spd(apart, 3, 1e-6) for _ in range(9)]
+    yield scene("cauchy with object covariances", "general", 9, 45, loss=("cauchy", 2.0), ocov=spread, blunder=blunder[:9]).document()
     for seed in (40, 41, 43):
         yield scene(f"planar ambiguity {seed}", "coplanar", 6, seed, distance=16.0).document(others=1)
 
