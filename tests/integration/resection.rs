@@ -373,11 +373,11 @@ fn popes_tau_does_not_exceed_the_root_of_the_redundancy() {
         for (i, v) in found.report.values.iter().enumerate() {
             // The blunder that is found moves w by δ₀: its own share rᵢ of it, over σ √rᵢ, where nothing is correlated.
             let sigma = found.report.sigma;
-            if let Some(Precision::Sigmas([a, _])) = scene.control.get(i / 2).map(|c| c.precision) {
-                if scene.control.iter().all(|c| c.object_precision.is_none()) {
-                    let moved = v.detectable * v.redundancy / (sigma * a * v.redundancy.sqrt());
-                    assert!((moved - 4.132_147_965_064_809).abs() < 1e-9, "{} {moved}", scene.name);
-                }
+            if let Some(Precision::Sigmas([a, _])) = scene.control.get(i / 2).map(|c| c.precision)
+                && scene.control.iter().all(|c| c.object_precision.is_none())
+            {
+                let moved = v.detectable * v.redundancy / (sigma * a * v.redundancy.sqrt());
+                assert!((moved - 4.132_147_965_064_809).abs() < 1e-9, "{} {moved}", scene.name);
             }
         }
     }
