@@ -42,6 +42,7 @@ mod resample;
 mod resection;
 mod resection_edges;
 mod resection_laws;
+mod resection_robust;
 mod rotation;
 mod rows;
 mod rpc;

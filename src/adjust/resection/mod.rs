@@ -316,7 +316,7 @@ fn check_enough(points: &[Observed], columns: &Columns) -> Result<(), Error> {
     Ok(())
 }
 
-/// Solutions farther from the best than this, by their starts' costs, are not worth refining, unless the points are flat.
+/// Solutions farther from the best than this, by their starts' costs, are not worth refining.
 const HOPELESS: f64 = 400.0;
 /// So many minima of the object-space error are refined at most, and as many of the other starts: those often lie in one valley, and
 /// would leave the second solution out.
@@ -328,7 +328,7 @@ fn refined<C: CentralModel + Adjustable + Clone>(
     camera: &C,
     task: &Task<'_>,
 ) -> Result<Vec<Minimised<Frame<C>>>, Error> {
-    let Starts { minima, others } = starts;
+    let Starts { minima, others, flat } = starts;
     let mut costs = Vec::with_capacity(minima.len() + others.len());
     let mut reason = None;
     let sources = minima.into_iter().map(|e| (0, e)).chain(others.into_iter().map(|e| (1, e)));
@@ -346,8 +346,10 @@ fn refined<C: CentralModel + Adjustable + Clone>(
     let mut solutions: Vec<Minimised<Frame<C>>> = Vec::new();
     let mut refined = [0; 2];
     for (cost, frame, source) in costs {
-        if cost > HOPELESS * least && !solutions.is_empty() {
-            break;
+        // Of flat points the second solution is told however bad it is.
+        let hopeless = cost > HOPELESS * least && !(flat && source == 0 && solutions.len() < 2);
+        if hopeless && !solutions.is_empty() {
+            continue;
         }
         if refined[source] == REFINED {
             continue;

@@ -42,11 +42,16 @@ pub(super) struct Starts {
     pub(super) minima: Vec<ExteriorOrientation>,
     /// What else to try, in no order.
     pub(super) others: Vec<ExteriorOrientation>,
+    /// Whether the points are near a plane, which has two solutions, however much worse the second.
+    pub(super) flat: bool,
 }
+
+/// Points are flat where their extent across a plane is below this part of that along it.
+const FLAT: f64 = 0.01;
 
 /// The poses that the points give by themselves.
 pub(super) fn poses<C: CentralModel>(camera: &C, points: &[Observed]) -> Result<Starts, Error> {
-    let (center, size) = extent(points)?;
+    let Extent { center, size, flat } = extent(points)?;
     let mut sights = Vec::with_capacity(points.len());
     for point in points {
         let direction = camera.direction(&point.image)?;
@@ -65,7 +70,7 @@ pub(super) fn poses<C: CentralModel>(camera: &C, points: &[Observed]) -> Result<
     if points.len() <= FEW {
         others.extend(from_triples(points, &sights));
     }
-    Ok(Starts { minima, others })
+    Ok(Starts { minima, others, flat })
 }
 
 /// Up to so many points the poses of their triples are tried too: minima lie close together then.
@@ -85,8 +90,16 @@ fn from_triples(
     })
 }
 
-/// The centre of the object points and their root mean square distance from it; refuses points on a line.
-fn extent(points: &[Observed]) -> Result<(Point3<f64>, f64), Error> {
+/// Where the object points are.
+struct Extent {
+    center: Point3<f64>,
+    /// Their root mean square distance from it.
+    size: f64,
+    flat: bool,
+}
+
+/// Refuses points on a line.
+fn extent(points: &[Observed]) -> Result<Extent, Error> {
     let n = points.len() as f64;
     let first = points.first().map_or(Point3::origin(), |p| p.object);
     let mean = points.iter().fold(Vector3::zeros(), |s, p| s + (p.object - first)) / n;
@@ -109,8 +122,11 @@ fn extent(points: &[Observed]) -> Result<(Point3<f64>, f64), Error> {
         // λ₁λ₂ + λ₁λ₃ + λ₂λ₃ of the sum squared: at most the ratio λ₂/λ₁.
         b / (a * a)
     };
+    // λ₃/λ₁, and less where the second is small too.
+    let third = scatter.determinant() / (scatter.trace().powi(3) * second);
+    let extent = Extent { center, size, flat: third < FLAT * FLAT };
     if second > 1e-10 {
-        return Ok((center, size));
+        return Ok(extent);
     }
     let mut rows = Triangular::<3>::new();
     for point in points {
@@ -122,7 +138,7 @@ fn extent(points: &[Observed]) -> Result<(Point3<f64>, f64), Error> {
     let limit = 1e-12 + 8.0 * f64::EPSILON * largest / size;
     let measure = along[1] / along[0];
     if measure > limit {
-        return Ok((center, size));
+        return Ok(extent);
     }
     Err(Error::Degenerate { what: "resection: control points on a line", measure, limit })
 }
