@@ -25,10 +25,9 @@
 use std::fmt::Write as _;
 
 use collinear::Frame;
-use collinear::nalgebra::{Matrix3, Matrix3x4, Point3, Vector3};
+use collinear::nalgebra::{Matrix3x4, Point3};
 
 use crate::camera::{CameraFile, Exterior, Interior, Rotation};
-use crate::check::finite;
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem, LineProblem};
 use crate::fields::{Fields, at, plain_name};
 use crate::json::Document;

@@ -12,6 +12,7 @@
 
 mod absolute_orientation;
 mod affine;
+mod bundle;
 mod camera;
 mod camera_edges;
 mod central_models;
@@ -22,6 +23,7 @@ mod extremes;
 mod geodetic;
 mod homography;
 mod intersection;
+mod jaicov;
 mod layers;
 mod least_squares;
 mod mesh;
