@@ -80,6 +80,7 @@
 //! | --- | --- |
 //! | `std` (default) | the standard library; `resample`, `texturer` and `interop` need it |
 //! | `libm` | float functions where there is no standard library |
+//! | `rayon` | bundle adjustment on the threads of the caller's pool |
 //! | `mint` | conversions to and from the neutral types of mint 0.5 |
 #![no_std]
 extern crate alloc;

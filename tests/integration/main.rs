@@ -12,6 +12,7 @@
 
 mod absolute_orientation;
 mod affine;
+mod bundle;
 mod camera;
 mod camera_edges;
 mod central_models;
@@ -23,6 +24,7 @@ mod five_point;
 mod geodetic;
 mod homography;
 mod intersection;
+mod jaicov;
 mod layers;
 mod least_squares;
 mod mesh;

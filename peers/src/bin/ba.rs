@@ -7,6 +7,7 @@
 //! for each step its number, cost, wall seconds and the process's CPU seconds from the start of the adjustment.
 
 use std::error::Error;
+use std::io::Write as _;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -68,15 +69,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let file = file.ok_or("name a file")?;
     let bal = Bal::read(file.as_ref())?;
-    let (bundle, mut rest) = block(&bal, perturb)?;
+    let bundle = block(&bal, perturb)?;
     let observations = bal.observations.len();
     let points = bal.points.len();
     let cameras = bal.cameras.len();
-    if save.is_some() {
-        rest = Some(bal);
-    } else {
-        drop(bal);
-    }
+    let rest = save.is_some().then_some(bal);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let mut options =
         BundleOptions { outside: OutsideRule::Formula, solver, ..BundleOptions::default() };
@@ -96,7 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     })?;
     let (total, cpu_total) = (begin.elapsed().as_secs_f64(), cpu() - cpu_begin);
     let report = adjusted.convergence;
-    if let (Some(path), Some(mut bal)) = (save, rest.take()) {
+    if let (Some(path), Some(mut bal)) = (save, rest) {
         for ((to, exterior), camera) in
             bal.cameras.iter_mut().zip(adjusted.exteriors()).zip(adjusted.cameras())
         {
@@ -109,7 +106,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut lines = vec![format!("[0,{:.12e},0,0]", report.initial_cost)];
     lines.extend(trace.iter().map(|(i, c, w, t)| format!("[{i},{c:.12e},{w:.6},{t:.6}]")));
-    println!(
+    let line = format!(
         "{{\"file\":\"{file}\",\"solver\":\"collinear\",\"threads\":{threads},\"cams\":{cameras},\"points\":{points},\"obs\":{observations},\
          \"initial\":{:.17e},\"final\":{:.17e},\"steps\":{},\"total_s\":{total:.6},\"cpu_s\":{cpu_total:.6},\"rss_mb\":{:.1},\
          \"term\":\"{}\",\"trace\":[{}]}}",
@@ -120,14 +117,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         if report.converged { "CONVERGENCE" } else { "NO_CONVERGENCE" },
         lines.join(",")
     );
+    writeln!(std::io::stdout(), "{line}")?;
     Ok(())
 }
 
 /// The problem as a block: each photograph has a camera of its own, with f, k₁ and k₂ unknown.
-fn block(
-    bal: &Bal,
-    perturb: Option<u64>,
-) -> Result<(Bundle<BalCamera>, Option<Bal>), Box<dyn Error>> {
+fn block(bal: &Bal, perturb: Option<u64>) -> Result<Bundle<BalCamera>, Box<dyn Error>> {
     let mut seed = perturb.map_or(0, |s| s.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
     let mut noise = |size: f64| if seed == 0 { 0.0 } else { size * random(&mut seed) };
     let unknowns =
@@ -150,5 +145,5 @@ fn block(
         let (image, point) = (images[o.camera as usize], points[o.point as usize]);
         bundle.observe(image, point, o.pixel(), Precision::Sigma(1.0))?;
     }
-    Ok((bundle, None))
+    Ok(bundle)
 }

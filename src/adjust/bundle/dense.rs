@@ -97,6 +97,30 @@ pub(super) fn solve(u: &[f64], n: usize, b: &mut [f64]) {
     }
 }
 
+/// (UᵀU)⁻¹ by rows, both halves.
+pub(super) fn inverse(u: &[f64], n: usize) -> alloc::vec::Vec<f64> {
+    let mut inverse = alloc::vec![0.0; n * n];
+    let mut columns: alloc::vec::Vec<&mut [f64]> = inverse.chunks_mut(n.max(1)).collect();
+    // The matrix is symmetric: what is a column of it is a row.
+    parallel::for_each(&mut columns, |i, column| {
+        column[i] = 1.0;
+        for r in i..n {
+            let row = &u[r * n..][..n];
+            let x = column[r] / row[r];
+            column[r] = x;
+            for (b, u) in column[r + 1..].iter_mut().zip(&row[r + 1..]) {
+                *b -= x * u;
+            }
+        }
+        for r in (0..n).rev() {
+            let row = &u[r * n..][..n];
+            let sum: f64 = row[r + 1..].iter().zip(&column[r + 1..]).map(|(u, x)| u * x).sum();
+            column[r] = (column[r] - sum) / row[r];
+        }
+    });
+    inverse
+}
+
 #[cfg(test)]
 mod tests {
     use alloc::vec;

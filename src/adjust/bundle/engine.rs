@@ -15,6 +15,18 @@ use crate::camera::{Adjustable, CentralModel};
 use crate::numeric::least_squares::{Damped, Problem};
 use crate::numeric::robust_loss::RobustLoss;
 
+/// A parameter of a camera whose start value was observed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ObservedParameter {
+    pub(super) camera: u32,
+    pub(super) unknown: usize,
+    /// Its place in the reduced system.
+    pub(super) at: usize,
+    pub(super) weight: f64,
+    /// Its value less the observed one.
+    pub(super) off: f64,
+}
+
 /// A block, and how it is worked through.
 pub(super) struct Engine<'a, C, E, K> {
     pub(super) bundle: &'a Bundle<C>,
@@ -29,32 +41,40 @@ pub(super) struct Engine<'a, C, E, K> {
 }
 
 impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, K> {
-    /// Where a camera's unknown stands in the reduced system; the photograph's own block where it is the camera's only one.
-    pub(super) fn parameter_column(&self, camera: usize, column: usize) -> usize {
+    /// Where a camera's unknown stands in the reduced system; in its photograph's own block where it has one alone. `None` for a
+    /// camera without a photograph.
+    pub(super) fn parameter_column(&self, camera: usize, column: usize) -> Option<usize> {
         let (bundle, layout) = (self.bundle, self.layout);
-        if layout.own < layout.total {
-            return layout.camera_column(bundle.images.len(), camera) + column;
-        }
-        let image = bundle.images.iter().position(|i| i.camera as usize == camera).unwrap_or(0);
-        image * layout.own + 6 + column
+        let image = bundle.images.iter().position(|i| i.camera as usize == camera)?;
+        Some(if layout.own < layout.total {
+            layout.camera_column(bundle.images.len(), camera) + column
+        } else {
+            image * layout.own + 6 + column
+        })
     }
 
-    /// The cameras' parameters that were observed: camera, unknown, weight, and how far they are from what was observed.
-    pub(super) fn observed_parameters(&self, state: &State<C>) -> Vec<(usize, usize, f64, f64)> {
+    /// The parameters that were observed, of the cameras that have a photograph.
+    pub(super) fn observed_parameters(&self, state: &State<C>) -> Vec<ObservedParameter> {
         let mut list = Vec::new();
         for (i, camera) in self.bundle.cameras.iter().enumerate() {
-            for (k, column) in
-                camera.columns.list.iter().enumerate().filter(|(_, c)| c.weight > 0.0)
-            {
+            let observed = camera.columns.list.iter().enumerate().filter(|(_, c)| c.weight > 0.0);
+            for (k, column) in observed {
+                let Some(at) = self.parameter_column(i, k) else { continue };
                 let value = |model| camera.columns.value(k, model);
-                list.push((i, k, column.weight, value(&state.cameras[i]) - value(&camera.model)));
+                list.push(ObservedParameter {
+                    camera: i as u32,
+                    unknown: k,
+                    at,
+                    weight: column.weight,
+                    off: value(&state.cameras[i]) - value(&camera.model),
+                });
             }
         }
         list
     }
 
     /// Half of the weighted squares of what was observed besides image points.
-    fn given_cost(&self, state: &State<C>) -> f64 {
+    pub(super) fn given_cost(&self, state: &State<C>) -> f64 {
         let bundle = self.bundle;
         let quadratic = |off: &Vector3<f64>, weight| 0.5 * off.dot(&(weight * off));
         let mut cost = 0.0;
@@ -76,7 +96,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         cost + self
             .observed_parameters(state)
             .iter()
-            .map(|(_, _, w, off)| 0.5 * w * off * off)
+            .map(|p| 0.5 * p.weight * p.off * p.off)
             .sum::<f64>()
     }
 
@@ -170,7 +190,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         }
         for (i, camera) in bundle.cameras.iter().enumerate() {
             for k in 0..camera.columns.len() {
-                let at = self.parameter_column(i, k);
+                let Some(at) = self.parameter_column(i, k) else { continue };
                 let d = normal.diagonal.get(at).copied().unwrap_or(0.0);
                 if d > 0.0 {
                     // What moves an image point by one pixel is the size of a parameter that is near zero.

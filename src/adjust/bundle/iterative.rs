@@ -177,9 +177,8 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                 }
             }
         }
-        for (camera, column, weight, _) in normal.observed.iter().copied() {
-            let at = self.parameter_column(camera, column);
-            out[at] += weight * x[at];
+        for parameter in &normal.observed {
+            out[parameter.at] += parameter.weight * x[parameter.at];
         }
         for (place, point) in layout.kept.iter().enumerate() {
             let at = layout.kept_column(bundle, place);
@@ -244,10 +243,9 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                 let v = symmetric(normal.v[layout.kept[i - images - cameras] as usize]);
                 matrix.copy_from_slice(v.as_slice());
             }
-            for (camera, column, weight, _) in normal.observed.iter().copied() {
-                let parameter = self.parameter_column(camera, column);
-                if (at..at + size).contains(&parameter) {
-                    matrix[(parameter - at) * (size + 1)] += weight;
+            for parameter in &normal.observed {
+                if (at..at + size).contains(&parameter.at) {
+                    matrix[(parameter.at - at) * (size + 1)] += parameter.weight;
                 }
             }
             *block = Block::new(matrix, &normal.diagonal[at..at + size], damping, at);

@@ -63,14 +63,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod datum;
 mod dense;
 mod engine;
 mod evaluate;
 mod iterative;
+mod judge;
 mod layout;
 mod normal;
 mod parallel;
 mod problem;
+mod quality;
 mod schur;
 mod solve;
 mod state;
@@ -81,7 +84,9 @@ use core::ops::ControlFlow;
 
 use nalgebra::{Point2, Point3};
 
+pub use datum::Datum;
 pub use problem::{Bundle, CameraId, ImageId, PointId};
+pub use quality::{BundleReport, BundleReportOptions};
 
 use self::engine::Engine;
 use self::layout::Layout;
@@ -284,7 +289,8 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     /// pixels. By the bare formula where the rule asks for it.
     ///
     /// # Errors
-    /// [`Error::Unknown`] past the last; [`Error::Projection`] where the point has no image.
+    /// [`Error::Unknown`] past the last; [`Error::Projection`] where the point has no image; [`Error::LengthMismatch`] for the result of
+    /// another block.
     pub fn residual(
         &self,
         adjusted: &Adjusted<C>,
@@ -292,10 +298,22 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         outside: OutsideRule,
     ) -> Result<[f64; 2], Error> {
         let seen = self.seen.get(observation).ok_or(Error::Unknown { what: "observation" })?;
-        if seen.image as usize >= adjusted.state.exteriors.len() {
-            return Err(Error::Unknown { what: "observation" });
-        }
+        self.check_adjusted(adjusted)?;
         let image: Point2<f64> = evaluate::image_of(self, &adjusted.state, seen, outside)?;
         Ok([seen.at.x - image.x, seen.at.y - image.y])
+    }
+    /// Refuses the result of a block of another size.
+    fn check_adjusted(&self, adjusted: &Adjusted<C>) -> Result<(), Error> {
+        let state = &adjusted.state;
+        for (what, left, right) in [
+            ("photographs and their adjusted ones", self.images.len(), state.exteriors.len()),
+            ("cameras and their adjusted ones", self.cameras.len(), state.cameras.len()),
+            ("points and their adjusted ones", self.points.len(), state.points.len()),
+        ] {
+            if left != right {
+                return Err(Error::LengthMismatch { what, left, right });
+            }
+        }
+        Ok(())
     }
 }

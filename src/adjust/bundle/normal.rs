@@ -13,7 +13,7 @@ use core::ops::Range;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::engine::Engine;
+use super::engine::{Engine, ObservedParameter};
 use super::evaluate::Rows;
 use super::layout::Role;
 use super::parallel;
@@ -39,8 +39,7 @@ pub(super) struct Normal {
     pub(super) gradient: Vec<f64>,
     /// The blocks of two points that a distance ties: for its first end and its second.
     pub(super) tied: Vec<Matrix3<f64>>,
-    /// The cameras' parameters that were observed: camera, unknown, weight, distance from what was observed.
-    pub(super) observed: Vec<(usize, usize, f64, f64)>,
+    pub(super) observed: Vec<ObservedParameter>,
 }
 
 /// The part of a linearisation that belongs to a range of points.
@@ -215,10 +214,9 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             }
         }
         normal.observed = self.observed_parameters(state);
-        for (camera, column, weight, off) in normal.observed.iter().copied() {
-            let to = self.parameter_column(camera, column);
-            diagonal[to] += weight;
-            gradient[to] += weight * off;
+        for parameter in &normal.observed {
+            diagonal[parameter.at] += parameter.weight;
+            gradient[parameter.at] += parameter.weight * parameter.off;
         }
         for (place, point) in layout.kept.iter().enumerate() {
             let to = layout.kept_column(bundle, place);

@@ -134,6 +134,11 @@ fn next(what: &'static str, len: usize) -> Result<u32, Error> {
     })
 }
 
+/// The numbers of a list's entries, which [`next`] gave.
+fn numbers(len: usize) -> core::ops::Range<u32> {
+    0..u32::try_from(len).unwrap_or(u32::MAX)
+}
+
 fn all_finite(what: &'static str, point: &Point3<f64>) -> Result<(), Error> {
     if point.iter().all(|c| c.is_finite()) { Ok(()) } else { Err(Error::NotFinite { what }) }
 }
@@ -147,6 +152,27 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The cameras, in the order in which they were added.
+    pub fn camera_ids(&self) -> impl ExactSizeIterator<Item = CameraId> + use<C> {
+        numbers(self.cameras.len()).map(CameraId)
+    }
+
+    /// The photographs, in the order in which they were added.
+    pub fn image_ids(&self) -> impl ExactSizeIterator<Item = ImageId> + use<C> {
+        numbers(self.images.len()).map(ImageId)
+    }
+
+    /// The object points, in the order in which they were added.
+    pub fn point_ids(&self) -> impl ExactSizeIterator<Item = PointId> + use<C> {
+        numbers(self.points.len()).map(PointId)
+    }
+
+    /// The number of observed image points.
+    #[must_use]
+    pub fn observation_count(&self) -> usize {
+        self.seen.len()
     }
 
     /// Adds a camera with its approximate model. The groups of `unknowns` are those of the central model: for a

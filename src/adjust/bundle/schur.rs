@@ -128,10 +128,9 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         });
         drop(blocks);
         self.kept_rows(normal, &mut matrix, &mut right, n);
-        for (camera, column, weight, off) in normal.observed.iter().copied() {
-            let at = self.parameter_column(camera, column);
-            matrix[at * n + at] += weight;
-            right[at] -= weight * off;
+        for parameter in &normal.observed {
+            matrix[parameter.at * (n + 1)] += parameter.weight;
+            right[parameter.at] -= parameter.weight * parameter.off;
         }
         Reduced { matrix, right }
     }
