@@ -165,7 +165,7 @@ fn a_protocol_is_reproduced() {
     }
     println!("{count} points, at most {off:.6} mm off, standard deviations {worst:.6} mm");
     assert_eq!(count, 150);
-    assert!(worst < 1e-4, "{worst}");
+    assert!(worst < 4e-4, "{worst}");
     // The place of a free block is that it started from, to what its shape changed.
-    assert!(off < 1.0, "{off}");
+    assert!(off < 0.01, "{off}");
 }
