@@ -14,6 +14,7 @@
 //!
 //! The mathematics is that of [`collinear`], the files are those of [`collinear_io`].
 
+pub mod adjust;
 pub mod block;
 pub mod convert;
 pub mod intersect;

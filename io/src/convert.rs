@@ -100,12 +100,13 @@ impl CameraFile {
     }
 
     /// The library's camera with Brown's lens; a pinhole has a lens without distortion. COLMAP's pinholes and `SIMPLE_RADIAL`,
-    /// `RADIAL` and `OPENCV` are such cameras.
+    /// `RADIAL` and `OPENCV` are such cameras, and every lens whose other terms are zero.
     ///
     /// # Errors
     /// As [`camera`](Self::camera), and [`FieldProblem::Unsupported`] for every other model.
     pub fn frame(&self) -> Result<Frame<BrownCamera>, Error> {
-        match self.camera()? {
+        let interior = self.interior.plain([self.width, self.height]);
+        match (Self { interior, ..self.clone() }).camera()? {
             Camera::Pinhole(Frame { exterior, camera }) => {
                 Ok(Frame::new(exterior, BrownCamera::new(camera, Brown::none())))
             }

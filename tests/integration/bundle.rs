@@ -213,6 +213,34 @@ fn blocks_are_adjusted_and_judged_as_one_matrix_of_all_unknowns_would() {
         if free {
             let error = bundle.report(&adjusted, &options, &BundleReportOptions::default());
             assert!(matches!(error.unwrap_err(), Error::Degenerate { .. }), "{name}");
+            // The place, the attitude and without a distance the scale of a free block are those it started from: only what
+            // they do not change is compared.
+            let spread = |p: &[Point3<f64>]| {
+                let middle = p.iter().map(|x| x.coords).sum::<Vector3<f64>>() / p.len() as f64;
+                p.iter().map(|p| (p.coords - middle).norm_squared()).sum::<f64>()
+            };
+            let there: Vec<_> = rows(&case["points"]).iter().map(|p| three(p)).collect();
+            let scale = spread(adjusted.points()) / spread(&there);
+            assert!(case["distances"][0].is_null() || (scale - 1.0).abs() < 1e-9, "{scale}");
+            for (i, expected) in of_points.iter().enumerate() {
+                let found = report.point_covariance(points[i]).unwrap().trace() / scale;
+                let expected = expected[0] + expected[4] + expected[8];
+                assert!(
+                    (found / expected - 1.0).abs() < tolerance,
+                    "{name} {i}: {found} {expected}"
+                );
+            }
+            for (i, expected) in of_images.iter().enumerate() {
+                let turn = |r: usize| expected[6 * (r + 3) + 3..6 * (r + 3) + 6].to_vec();
+                let found = image(i).view((3, 3), (3, 3)).into_owned();
+                agrees(&found, &[turn(0), turn(1), turn(2)].concat(), tolerance, name);
+                let found = image(i).view((0, 0), (3, 3)).trace() / scale;
+                let expected = expected[0] + expected[7] + expected[14];
+                assert!(
+                    (found / expected - 1.0).abs() < tolerance,
+                    "{name} {i}: {found} {expected}"
+                );
+            }
         } else {
             for (point, expected) in adjusted.points().iter().zip(rows(&case["points"])) {
                 assert!((point - three(&expected)).norm() < 1e-6, "{name}");

@@ -1,5 +1,6 @@
 //! The commands: their arguments, their messages, their outputs.
 
+pub(crate) mod adjust;
 pub(crate) mod convert;
 mod files;
 pub(crate) mod intersect;
