@@ -64,6 +64,19 @@ fn help_tells_what_a_command_does_and_in_which_units() {
             "intersect",
             &["IMAGES.csv", "photo, id, x, y", "free of error", "suspect", "COLMAP", "pixels"],
         ),
+        (
+            "adjust",
+            &[
+                "BLOCK",
+                "COLMAP",
+                "half the sum",
+                "3.29",
+                "pixels",
+                "world units",
+                "--loss",
+                "--tracks",
+            ],
+        ),
         ("overlay", &["--scene", "--plane", "--mesh", "--line-width", "SVG", "0.1"]),
     ] {
         let run = folder.succeed(&[command, "--help"]);
@@ -83,6 +96,7 @@ fn help_tells_what_a_command_does_and_in_which_units() {
         "reproject",
         "resect",
         "intersect",
+        "adjust",
         "project",
         "overlay",
         "convert",
@@ -102,7 +116,7 @@ fn joined(text: &str) -> String {
 #[test]
 fn help_has_no_line_that_broke_before_it_was_full() {
     let folder = Folder::new();
-    for command in ["render", "rectify", "resect", "intersect", "project", "overlay"] {
+    for command in ["render", "rectify", "resect", "intersect", "adjust", "project", "overlay"] {
         for width in [100, 72] {
             let text = folder.succeed_at_width(&[command, "--help"], width).stdout;
             let (prose, _) = text.split_once("\nUsage:").unwrap();

@@ -43,6 +43,12 @@ fn the_commands_of_the_readme_run_as_they_stand() {
             fs::copy(&path, folder.path("examples/town").join(name)).unwrap();
         }
     }
+    fs::create_dir_all(folder.path("examples/town/block")).unwrap();
+    for entry in fs::read_dir(repository.join("examples/town/block")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap();
+        fs::copy(&path, folder.path("examples/town/block").join(name)).unwrap();
+    }
     let commands = commands(&readme);
     let used: Vec<_> = commands.iter().map(|c| c[0].as_str()).collect();
     assert_eq!(
@@ -58,6 +64,7 @@ fn the_commands_of_the_readme_run_as_they_stand() {
             "project",
             "resect",
             "intersect",
+            "adjust",
             "overlay",
             "convert"
         ],

@@ -74,7 +74,7 @@ pub(super) fn poses<C: CentralModel>(camera: &C, points: &[Observed]) -> Result<
 }
 
 /// Up to so many points the poses of their triples are tried too: minima lie close together then.
-const FEW: usize = 6;
+const FEW: usize = 5;
 
 /// Every pose from three of the points, for each three neighbours in a ring: every point is left out at least once.
 fn from_triples(
