@@ -1,6 +1,7 @@
 //! Losses that keep blunders from ruling a fit.
 
 use super::float;
+#[cfg(feature = "std")]
 use crate::error::Error;
 
 /// How a squared residual enters the cost: ρ(s) with s = (residual / scale)².
@@ -53,6 +54,7 @@ pub enum RobustLoss {
 
 impl RobustLoss {
     /// Refuses a scale that is not a positive number.
+    #[cfg(feature = "std")]
     pub(crate) fn check(&self) -> Result<(), Error> {
         match *self {
             Self::Huber { scale }
