@@ -78,9 +78,10 @@
 //!
 //! | feature | |
 //! | --- | --- |
-//! | `std` (default) | the standard library; `resample`, `texturer` and `interop` need it |
+//! | `std` (default) | the standard library; `adjust`, `resample`, `texturer` and `interop` need it |
 //! | `libm` | float functions where there is no standard library |
 //! | `rayon` | bundle adjustment on the threads of the caller's pool |
+//! | `simd` | loops over many points on the processor's widest vectors, chosen at run time |
 //! | `mint` | conversions to and from the neutral types of mint 0.5 |
 #![no_std]
 extern crate alloc;

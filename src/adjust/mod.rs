@@ -5,6 +5,18 @@
 //! [`Report`]: the residuals, σ₀, the covariance of the unknowns, and for each observation how far the others control it.
 //!
 #![doc = include_str!("../../docs/figures/adjust.svg")]
+//!
+//! | known | sought | |
+//! | --- | --- | --- |
+//! | places of points, their images | the camera's pose, perhaps its interior and lens | [`resect`], [`resect_from`], [`resect_robust`] |
+//! | the same, exactly as many as needed | every pose | [`p3p`], [`p4pf`] with the principal distance |
+//! | the same, without any camera | the projection matrix | [`dlt`] |
+//! | cameras and images | the point | [`intersect`], [`nearest_point`] |
+//! | images of the same points in two cameras | the motion between them | [`relative_orientation`], [`five_point`] |
+//! | points in two frames | the similarity | [`absolute_orientation`] |
+//! | images, and whatever else was observed | cameras, poses and points at once | [`bundle`] |
+//!
+//! What σ₀, redundancy numbers and w mean: [`_adjustment`](crate::_adjustment).
 
 mod absolute_orientation;
 pub mod bundle;
