@@ -15,6 +15,7 @@ mod formats_page;
 mod gltf;
 mod gtx;
 mod hostile;
+mod jaicov;
 mod metashape;
 mod nerf;
 mod opensfm;

@@ -24,7 +24,6 @@ mod five_point;
 mod geodetic;
 mod homography;
 mod intersection;
-mod jaicov;
 mod layers;
 mod least_squares;
 mod mesh;
