@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::ops::ControlFlow;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use collinear::adjust::bundle::{
     Adjusted, BundleOptions, BundleReport, BundleReportOptions, Datum, Exclusion, OutsideRule,
 };
@@ -63,6 +63,13 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
         progress(step.iterations as usize, total);
         ControlFlow::Continue(())
     })?;
+    let end = &adjusted.convergence;
+    if !end.converged && !(end.final_cost < end.initial_cost) {
+        bail!(
+            "no step from the start lowers the cost of {:.6}: with a Tukey or truncated loss no image point may be within its scale yet",
+            end.initial_cost
+        );
+    }
     let mut taken = vec![true; block.observations.len()];
     for (observation, _) in &adjusted.excluded {
         taken[*observation] = false;

@@ -95,6 +95,14 @@ impl BlockFile {
     /// # Errors
     /// A camera that is neither a pinhole nor Brown's; numbers that are none.
     pub fn block(&self, estimate: &[Estimated], sigma: f64) -> Result<Block> {
+        let bare = |e: &Estimated| {
+            matches!(e, Estimated::PrincipalDistance | Estimated::Radial(0) | Estimated::Radial(1))
+        };
+        if matches!(self, Self::Bal(_) | Self::Bundler(_)) && !estimate.iter().all(bare) {
+            bail!(
+                "has cameras of f, k1 and k2 only: of what --estimate says it can hold distance, k1, k2"
+            );
+        }
         let mut block = Block::new();
         let unknowns: Vec<Unknown> = estimate.iter().flat_map(|e| e.unknowns(0)).collect();
         match self {

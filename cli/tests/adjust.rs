@@ -147,3 +147,25 @@ fn what_is_wrong_is_said() {
     }
     assert_eq!(folder.text("block.txt"), good);
 }
+
+#[test]
+fn a_file_of_an_input_folder_is_no_output() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("model")).unwrap();
+    for (name, text) in
+        [("cameras.txt", "# 1\n"), ("images.txt", "# 2\n"), ("points3D.txt", "# 3\n")]
+    {
+        folder.write(&format!("model/{name}"), text);
+    }
+    folder.write("images.csv", "left,a,1,2\n");
+    for arguments in [
+        &["adjust", "model", "--svg", "model/cameras.txt"][..],
+        &["adjust", "model", "-o", "model/points3D.txt"],
+        &["intersect", "images.csv", "-c", "model", "-o", "model/images.txt"],
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, 2, "{arguments:?} {run:?}");
+        assert!(run.stderr.contains("is a file of model"), "{}", run.stderr);
+    }
+    assert_eq!(folder.text("model/cameras.txt"), "# 1\n");
+}

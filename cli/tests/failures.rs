@@ -69,7 +69,7 @@ fn help_tells_what_a_command_does_and_in_which_units() {
             &[
                 "BLOCK",
                 "COLMAP",
-                "half the sum",
+                "half the sum of squared residuals",
                 "3.29",
                 "pixels",
                 "world units",

@@ -41,8 +41,8 @@ pub struct Report {
     /// σ₀ = √(vᵀPv / r); `None` where nothing is redundant.
     #[doc(alias("reference standard deviation", "unit weight", "RMSE"))]
     pub sigma0: Option<f64>,
-    /// s, by which the covariances are scaled and the observations tested: σ₀ where it was to be estimated and there is redundancy,
-    /// else 1, which is to believe the stated precisions.
+    /// s, by which the covariances are scaled and the observations tested: σ₀ where it was to be estimated, there is redundancy and
+    /// the residuals are not all zero; else 1, which is to believe the stated precisions.
     pub sigma: f64,
     /// Σ of the estimated parameters, in their order and units.
     pub covariance: DMatrix<f64>,

@@ -84,7 +84,7 @@ and k2 of BAL's and Bundler's cameras, nothing of COLMAP's and OpenSfM's. Photog
 camera there share it here. Image points behind their cameras and points with a single ray take no \
 part and are counted.
 
-The protocol on standard output has the cost (half the sum of squared residuals), sigma 0 (1 where the \
+The protocol on standard output has the cost (half the sum of squared residuals, or of losses), sigma 0 (1 where the \
 stated precision was right), each camera and photograph with its standard deviations, those of a \
 network without outside points, and the image points whose test w is beyond 3.29. Residuals and \
 image coordinates are pixels, places are world units. docs/adjustment.md explains each figure.";
@@ -120,7 +120,7 @@ impl Arguments {
         if let Some(path) = &self.svg {
             files.output("the picture of the residuals (--svg)", path)?;
         }
-        files.input("the block", &self.block)?;
+        files.input_folder("the block", &self.block)?;
         if let Some(path) = &self.tracks {
             files.input("the tracks", path)?;
         }

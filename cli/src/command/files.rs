@@ -30,6 +30,17 @@ impl Files {
         Ok(())
     }
 
+    /// Adds a file or a folder whose files will be read; the outputs have been named before.
+    pub(crate) fn input_folder(
+        &mut self,
+        role: impl Into<String>,
+        path: &Path,
+    ) -> Result<(), UsageError> {
+        let file = Named::new(role.into(), path);
+        self.outputs.iter().try_for_each(|output| output.spares(&file))?;
+        self.input(file.role, path)
+    }
+
     /// Adds a file that will be written.
     pub(crate) fn output(
         &mut self,
@@ -66,6 +77,21 @@ impl Named {
                 self.role
             ))),
         }
+    }
+
+    /// Refuses an output that would replace a file in an input's folder, as one of COLMAP's three.
+    fn spares(&self, input: &Self) -> Result<(), UsageError> {
+        let within = self.settled != input.settled && self.settled.starts_with(&input.settled);
+        if !(within && self.settled.is_file()) {
+            return Ok(());
+        }
+        Err(UsageError(format!(
+            "{}, {}, is a file of {}, {}: name another output",
+            self.path.display(),
+            self.role,
+            input.path.display(),
+            input.role
+        )))
     }
 
     fn is(&self, other: &Self) -> bool {

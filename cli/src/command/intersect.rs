@@ -72,7 +72,7 @@ impl Arguments {
         files.input("the measured images", &self.images)?;
         let mut list = Vec::new();
         for path in &self.cameras {
-            files.input("the cameras", path)?;
+            files.input_folder("the cameras", path)?;
             open(path, &mut list)?;
         }
         let rows = read_observations(&self.images)?;

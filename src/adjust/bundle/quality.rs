@@ -36,7 +36,8 @@ pub struct BundleReport {
     pub weighted_sum: f64,
     /// σ₀ = √(vᵀPv / r); `None` where nothing is redundant.
     pub sigma0: Option<f64>,
-    /// s, by which covariances are scaled and observations tested: σ₀ where it was to be estimated and there is redundancy, else 1.
+    /// s, by which covariances are scaled and observations tested: σ₀ where it was to be estimated, there is redundancy and the residuals
+    /// are not all zero, else 1.
     pub sigma: f64,
     /// For each image point, in the order in which they were added, of x and y; all NaN where it took no part.
     pub image_points: Vec<[ObservationReport; 2]>,
