@@ -4,15 +4,14 @@ use alloc::vec::Vec;
 
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, SVector, Vector3};
 
-use super::precision::{Precision, inverse};
+use super::precision::{Precision, Weighting};
 use super::report::{self, Report};
 use super::settle::minimise_to_rounding;
 use crate::error::Error;
 use crate::geometry::Similarity;
 use crate::geometry::rotation::{RotationVector, orthonormalised};
-use crate::numeric::float;
 use crate::numeric::least_squares::{
-    Convergence, Damped, LeastSquaresOptions, NormalEquations, Problem,
+    Convergence, Damped, LeastSquaresOptions, NormalEquations, Problem, unit_weight,
 };
 use crate::numeric::triangular::Triangular;
 
@@ -169,28 +168,22 @@ pub fn absolute_orientation(
 struct Weighted {
     from: Point3<f64>,
     to: Point3<f64>,
-    covariance: Matrix3<f64>,
-    weight: Matrix3<f64>,
-    /// U with UᵀU = P.
-    root: Matrix3<f64>,
+    weighting: Weighting<3>,
 }
 
 impl Weighted {
     fn new(pair: &PointPair) -> Result<Self, Error> {
-        let covariance = pair.precision.covariance()?;
-        let weight = inverse(&covariance);
-        let what = "weight of a point pair";
-        let root = weight.cholesky().ok_or(Error::NotFinite { what })?.l().transpose();
-        Ok(Self { from: pair.from, to: pair.to, covariance, weight, root })
+        let weighting = Weighting::new(&pair.precision, "weight of a point pair")?;
+        Ok(Self { from: pair.from, to: pair.to, weighting })
     }
 
     /// A weight without direction: the mean variance's.
     fn scalar(&self) -> f64 {
-        3.0 / self.covariance.trace()
+        3.0 / self.weighting.covariance.trace()
     }
 
     fn is_isotropic(&self) -> bool {
-        let c = &self.covariance;
+        let c = &self.weighting.covariance;
         *c == Matrix3::from_diagonal_element(c.m11)
     }
 }
@@ -286,14 +279,7 @@ impl<const N: usize> Adjustment<'_, N> {
             let cost = self.cost(&start);
             let mut linear = NormalEquations::<N>::default();
             let gradient = self.linearise(&start, &mut linear);
-            let convergence = Convergence {
-                converged: true,
-                iterations: 0,
-                initial_cost: cost,
-                final_cost: cost,
-                gradient,
-            };
-            (start, convergence)
+            (start, Convergence::without_iteration(cost, gradient))
         } else {
             let mut linear = NormalEquations::<N>::default();
             minimise_to_rounding(self, start, &mut linear, &options.least_squares)
@@ -311,30 +297,28 @@ impl<const N: usize> Adjustment<'_, N> {
         let mut normal = SMatrix::<f64, N, N>::zeros();
         for pair in self.pairs {
             let rows = Self::rows(map, pair);
-            normal += rows.transpose() * pair.weight * rows;
+            normal += rows.transpose() * pair.weighting.weight * rows;
         }
-        let dynamic = nalgebra::DMatrix::from_fn(N, N, |i, j| normal[(i, j)]);
-        let (cofactor, condition) = report::cofactor(&dynamic)?;
-        let q = SMatrix::<f64, N, N>::from_fn(|i, j| cofactor[(i, j)]);
+        let (q, condition) = report::fixed_cofactor(&normal)?;
         let residual = |pair: &Weighted| pair.to - map.apply(&pair.from);
         let weighted_sum: f64 = self
             .pairs
             .iter()
             .map(|pair| {
                 let v = residual(pair);
-                v.dot(&(pair.weight * v))
+                v.dot(&(pair.weighting.weight * v))
             })
             .sum();
         let observations = 3 * self.pairs.len();
         let redundancy = observations - N;
-        let sigma0 = (redundancy > 0).then(|| float::sqrt(weighted_sum / redundancy as f64));
-        let sigma = sigma0.filter(|s| estimate_sigma && *s > 0.0).unwrap_or(1.0);
+        let sigma0 = unit_weight(weighted_sum, redundancy);
+        let sigma = report::sigma(sigma0, estimate_sigma);
         let mut values = Vec::with_capacity(observations);
         for pair in self.pairs {
             let rows = Self::rows(map, pair);
-            let unexplained = pair.covariance - rows * q * rows.transpose();
+            let unexplained = pair.weighting.covariance - rows * q * rows.transpose();
             let v = residual(pair);
-            values.extend(report::observed(&unexplained, &pair.covariance, &v, sigma));
+            values.extend(report::observed(&unexplained, &pair.weighting.covariance, &v, sigma));
         }
         Ok(Report {
             observations,
@@ -343,7 +327,7 @@ impl<const N: usize> Adjustment<'_, N> {
             weighted_sum,
             sigma0,
             sigma,
-            covariance: cofactor * (sigma * sigma),
+            covariance: report::covariance(&q, sigma),
             condition,
             values,
             convergence,
@@ -357,16 +341,17 @@ impl<const N: usize> Problem for Adjustment<'_, N> {
     type Step = SVector<f64, N>;
 
     fn cost(&self, map: &Similarity) -> f64 {
-        let squared =
-            |pair: &Weighted| (pair.root * (pair.to - map.apply(&pair.from))).norm_squared();
+        let squared = |pair: &Weighted| {
+            (pair.weighting.root * (pair.to - map.apply(&pair.from))).norm_squared()
+        };
         0.5 * self.pairs.iter().map(squared).sum::<f64>()
     }
 
     fn linearise(&self, map: &Similarity, linear: &mut NormalEquations<N>) -> f64 {
         linear.clear();
         for pair in self.pairs {
-            let rows = pair.root * Self::rows(map, pair);
-            let v = pair.root * (pair.to - map.apply(&pair.from));
+            let rows = pair.weighting.root * Self::rows(map, pair);
+            let v = pair.weighting.root * (pair.to - map.apply(&pair.from));
             for i in 0..3 {
                 linear.add(&rows.row(i).transpose(), -v[i], 1.0);
             }

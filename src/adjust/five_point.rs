@@ -1,43 +1,15 @@
 //! The motion between two cameras from five pairs of directions: every root.
 
-use core::ops::Deref;
-
 use nalgebra::{Matrix3, Matrix5, Rotation3, SMatrix, SVector, Schur, UnitVector3, Vector3};
 
 use super::p3p::unit_vector;
+use super::roots::Roots;
 use crate::error::Error;
 use crate::geometry::rotation::{RotationVector, orthonormalised};
 use crate::geometry::{Pose, axes};
 
-/// Up to ten motions, second_from_first with a base of length one, kept in place. It is a slice of [`Pose`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionRoots {
-    poses: [Pose; 10],
-    len: usize,
-}
-
-impl Deref for MotionRoots {
-    type Target = [Pose];
-    fn deref(&self) -> &[Pose] {
-        &self.poses[..self.len]
-    }
-}
-
-impl IntoIterator for MotionRoots {
-    type Item = Pose;
-    type IntoIter = core::iter::Take<core::array::IntoIter<Pose, 10>>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.poses.into_iter().take(self.len)
-    }
-}
-
-impl<'a> IntoIterator for &'a MotionRoots {
-    type Item = &'a Pose;
-    type IntoIter = core::slice::Iter<'a, Pose>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
-    }
-}
+/// Up to ten motions, second_from_first with a base of length one.
+pub type MotionRoots = Roots<10>;
 
 /// All motions between two cameras that let five pairs of rays meet in front of both.
 ///
@@ -93,7 +65,7 @@ pub fn five_point(
         *pair = (unit_vector(a)?, unit_vector(b)?);
     }
     let space = null_space(&pairs)?;
-    let mut found = MotionRoots { poses: [Pose::identity(); 10], len: 0 };
+    let mut found = MotionRoots::none();
     let mut pivot = 0.0;
     for mixing in MIXINGS {
         let basis = mixed(&space, &mixing);
@@ -124,12 +96,8 @@ fn push(found: &mut MotionRoots, pose: Pose) {
         (p.origin - pose.origin).amax() + (p.rotation.matrix() - pose.rotation.matrix()).amax()
             < 1e-9
     };
-    if found.iter().any(same) {
-        return;
-    }
-    if let Some(place) = found.poses.get_mut(found.len) {
-        *place = pose;
-        found.len += 1;
+    if !found.iter().any(same) {
+        found.push(pose);
     }
 }
 

@@ -2,16 +2,18 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix3, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix3, Point2, Point3, Vector2, Vector3};
 
-use super::precision::{Precision, inverse};
+use super::precision::{Precision, Weighting};
 use super::report::{self, Report};
 use super::settle::minimise_to_rounding;
 use crate::camera::SensorModel;
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Locus, Ray, axes};
 use crate::numeric::float;
-use crate::numeric::least_squares::{Damped, LeastSquaresOptions, NormalEquations, Problem};
+use crate::numeric::least_squares::{
+    Damped, LeastSquaresOptions, NormalEquations, Problem, unit_weight,
+};
 use crate::numeric::robust_loss::RobustLoss;
 use crate::numeric::triangular::Triangular;
 
@@ -271,34 +273,30 @@ pub fn intersect(
     let mut linear = NormalEquations::<3>::default();
     let (point, convergence) =
         minimise_to_rounding(&problem, start.point, &mut linear, &options.least_squares);
-    if !convergence.converged {
-        let (iterations, cost) = (convergence.iterations, convergence.final_cost);
-        return Err(Error::NotConverged { iterations, cost });
-    }
+    convergence.check()?;
     let rows = sightings
         .iter()
         .map(|sighting| {
             let (image, jacobian) = sighting.sensor.project_jacobian(&point)?;
             let residual = sighting.image - image;
-            let robust = options.loss.weight(residual.dot(&(sighting.weight * residual)));
+            let robust = options.loss.weight(residual.dot(&(sighting.weighting.weight * residual)));
             Ok((sighting, jacobian, residual, robust))
         })
         .collect::<Result<Vec<_>, ProjectionError>>()?;
     let mut normal = Matrix3::zeros();
     let mut weighted_sum = 0.0;
     for (sighting, jacobian, residual, robust) in &rows {
-        normal += jacobian.transpose() * sighting.weight * jacobian * *robust;
-        weighted_sum += residual.dot(&(sighting.weight * residual)) * robust;
+        normal += jacobian.transpose() * sighting.weighting.weight * jacobian * *robust;
+        weighted_sum += residual.dot(&(sighting.weighting.weight * residual)) * robust;
     }
-    let (cofactor, condition) = report::cofactor(&DMatrix::from_fn(3, 3, |i, j| normal[(i, j)]))?;
-    let q = Matrix3::from_fn(|i, j| cofactor[(i, j)]);
+    let (q, condition) = report::fixed_cofactor(&normal)?;
     let redundancy = 2 * rows.len() - 3;
-    let sigma0 = float::sqrt(weighted_sum / redundancy as f64);
-    let sigma = if options.estimate_sigma && sigma0 > 0.0 { sigma0 } else { 1.0 };
+    let sigma0 = unit_weight(weighted_sum, redundancy);
+    let sigma = report::sigma(sigma0, options.estimate_sigma);
     let mut values = Vec::with_capacity(2 * rows.len());
     for (sighting, jacobian, residual, robust) in &rows {
         // A picture that the loss ignores has an infinite variance.
-        let covariance = sighting.covariance / robust.max(1e-12);
+        let covariance = sighting.weighting.covariance / robust.max(1e-12);
         let unexplained = covariance - jacobian * q * jacobian.transpose();
         values.extend(report::observed(&unexplained, &covariance, residual, sigma));
     }
@@ -307,9 +305,9 @@ pub fn intersect(
         unknowns: 3,
         redundancy,
         weighted_sum,
-        sigma0: Some(sigma0),
+        sigma0,
         sigma,
-        covariance: cofactor * (sigma * sigma),
+        covariance: report::covariance(&q, sigma),
         condition,
         values,
         convergence,
@@ -321,10 +319,7 @@ pub fn intersect(
 struct Sighting<'a> {
     sensor: &'a dyn SensorModel,
     image: Point2<f64>,
-    covariance: Matrix2<f64>,
-    weight: Matrix2<f64>,
-    /// U with UᵀU = P.
-    root: Matrix2<f64>,
+    weighting: Weighting<2>,
 }
 
 impl<'a> Sighting<'a> {
@@ -333,11 +328,8 @@ impl<'a> Sighting<'a> {
         if !(image.x.is_finite() && image.y.is_finite()) {
             return Err(Error::NotFinite { what: "image point" });
         }
-        let covariance = precision.covariance()?;
-        let weight = inverse(&covariance);
-        let what = "weight of an image point";
-        let root = weight.cholesky().ok_or(Error::NotFinite { what })?.l().transpose();
-        Ok(Self { sensor, image, covariance, weight, root })
+        let weighting = Weighting::new(&precision, "weight of an image point")?;
+        Ok(Self { sensor, image, weighting })
     }
 }
 
@@ -357,7 +349,8 @@ impl Problem for Sightings<'_> {
         let mut sum = 0.0;
         for sighting in self.list {
             let Ok(image) = sighting.sensor.project(point) else { return f64::INFINITY };
-            sum += self.loss.cost((sighting.root * (sighting.image - image)).norm_squared());
+            sum +=
+                self.loss.cost((sighting.weighting.root * (sighting.image - image)).norm_squared());
         }
         0.5 * sum
     }
@@ -366,8 +359,8 @@ impl Problem for Sightings<'_> {
         linear.clear();
         for sighting in self.list {
             let Ok((image, jacobian)) = sighting.sensor.project_jacobian(point) else { continue };
-            let v: Vector2<f64> = sighting.root * (sighting.image - image);
-            let rows: Matrix2x3<f64> = sighting.root * jacobian;
+            let v: Vector2<f64> = sighting.weighting.root * (sighting.image - image);
+            let rows: Matrix2x3<f64> = sighting.weighting.root * jacobian;
             let robust = self.loss.weight(v.norm_squared());
             for i in 0..2 {
                 linear.add(&rows.row(i).transpose(), -v[i], robust);

@@ -19,6 +19,7 @@
 //! What σ₀, redundancy numbers and w mean: [`_adjustment`](crate::_adjustment).
 
 mod absolute_orientation;
+mod agreement;
 pub mod bundle;
 mod dlt;
 mod five_point;
@@ -29,6 +30,7 @@ mod precision;
 mod relative_orientation;
 mod report;
 mod resection;
+mod roots;
 mod settle;
 mod unknowns;
 
@@ -52,4 +54,5 @@ pub use resection::{
     ControlPoint, OtherPose, Resection, ResectionOptions, RobustResection, resect, resect_from,
     resect_robust,
 };
+pub use roots::Roots;
 pub use unknowns::Unknown;

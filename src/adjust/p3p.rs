@@ -1,57 +1,14 @@
 //! The pose of a camera from three points: every root.
 
-use core::ops::Deref;
-
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
+use super::roots::Roots;
 use crate::error::Error;
 use crate::geometry::Pose;
 use crate::numeric::polynomial::outer_cubic_root;
 
-/// Up to four poses, camera_from_world, kept in place.
-///
-/// It is a slice of [`Pose`], and gives its poses up by value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PoseRoots {
-    poses: [Pose; 4],
-    len: usize,
-}
-
-impl PoseRoots {
-    fn none() -> Self {
-        Self { poses: [Pose::identity(); 4], len: 0 }
-    }
-
-    fn push(&mut self, pose: Pose) {
-        if let Some(place) = self.poses.get_mut(self.len) {
-            *place = pose;
-            self.len += 1;
-        }
-    }
-}
-
-impl Deref for PoseRoots {
-    type Target = [Pose];
-    fn deref(&self) -> &[Pose] {
-        &self.poses[..self.len]
-    }
-}
-
-impl IntoIterator for PoseRoots {
-    type Item = Pose;
-    type IntoIter = core::iter::Take<core::array::IntoIter<Pose, 4>>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.poses.into_iter().take(self.len)
-    }
-}
-
-impl<'a> IntoIterator for &'a PoseRoots {
-    type Item = &'a Pose;
-    type IntoIter = core::slice::Iter<'a, Pose>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
-    }
-}
+/// Up to four poses, camera_from_world.
+pub type PoseRoots = Roots<4>;
 
 /// All poses from which three known points are seen along three given directions.
 ///

@@ -77,6 +77,27 @@ impl<const N: usize> Precision<N> {
     }
 }
 
+/// A precision as the matrices that an adjustment needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighting<const N: usize> {
+    /// Σ.
+    pub(super) covariance: SMatrix<f64, N, N>,
+    /// P = Σ⁻¹.
+    pub(super) weight: SMatrix<f64, N, N>,
+    /// U with UᵀU = P.
+    pub(super) root: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Weighting<N> {
+    /// The matrices of a precision; `what` it is of.
+    pub(super) fn new(precision: &Precision<N>, what: &'static str) -> Result<Self, Error> {
+        let covariance = precision.covariance()?;
+        let weight = inverse(&covariance);
+        let root = weight.cholesky().ok_or(Error::NotFinite { what })?.l().transpose();
+        Ok(Self { covariance, weight, root })
+    }
+}
+
 /// The inverse of a covariance matrix that [`Precision::covariance`] has checked.
 #[inline]
 pub(super) fn inverse<const N: usize>(covariance: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {

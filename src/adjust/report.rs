@@ -155,6 +155,30 @@ pub(super) fn observed<const N: usize>(
     })
 }
 
+/// What the covariances are scaled by and the observations tested with: σ₀ where it is to be estimated and not zero, else 1.
+pub(super) fn sigma(sigma0: Option<f64>, estimate: bool) -> f64 {
+    sigma0.filter(|s| estimate && *s > 0.0).unwrap_or(1.0)
+}
+
+/// Normal equations that are singular, with how nearly.
+pub(super) fn undetermined(measure: f64, limit: f64) -> Error {
+    let what = "normal equations: the observations do not determine the unknowns";
+    Error::Degenerate { what, measure, limit }
+}
+
+/// [`cofactor`] of a matrix whose size is known.
+pub(super) fn fixed_cofactor<const N: usize>(
+    normal: &SMatrix<f64, N, N>,
+) -> Result<(SMatrix<f64, N, N>, f64), Error> {
+    let (q, condition) = cofactor(&DMatrix::from_fn(N, N, |i, j| normal[(i, j)]))?;
+    Ok((SMatrix::from_fn(|i, j| q[(i, j)]), condition))
+}
+
+/// Σ of the estimated parameters from their cofactors.
+pub(super) fn covariance<const N: usize>(q: &SMatrix<f64, N, N>, sigma: f64) -> DMatrix<f64> {
+    DMatrix::from_fn(N, N, |i, j| q[(i, j)] * (sigma * sigma))
+}
+
 /// Q of a normal matrix, with the condition of the matrix scaled to a unit diagonal.
 pub(super) fn cofactor(normal: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), Error> {
     let n = normal.nrows();
@@ -170,11 +194,7 @@ pub(super) fn cofactor(normal: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), Err
         Some(inverse) => {
             Ok((DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]), condition))
         }
-        None => Err(Error::Degenerate {
-            what: "normal equations: the observations do not determine the unknowns",
-            measure: if measure > 0.0 { measure } else { 0.0 },
-            limit: LEAST_CONDITION,
-        }),
+        None => Err(undetermined(if measure > 0.0 { measure } else { 0.0 }, LEAST_CONDITION)),
     }
 }
 

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
 
 use crate::error::Error;
-use crate::numeric::float;
+use crate::numeric::least_squares::unit_weight;
 use crate::numeric::triangular::Triangular;
 
 /// An affine map of the plane: x ↦ A x + b, \[WD\] table 2's first row.
@@ -145,7 +145,7 @@ impl Affine2 {
             object.iter().zip(image).map(|(o, i)| (i - to) - linear * (o - from)).collect();
         let sum: f64 = residuals.iter().map(|r| r.norm_squared()).sum();
         let redundancy = 2 * n - 6;
-        let sigma0 = (redundancy > 0).then(|| float::sqrt(sum / redundancy as f64));
+        let sigma0 = unit_weight(sum, redundancy);
         Ok(AffineFit { map, residuals, sigma0 })
     }
 }

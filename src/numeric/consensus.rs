@@ -206,6 +206,11 @@ pub fn search<E: Estimator>(
     }
 }
 
+/// Those marked `true`, as the inliers of a search.
+pub(crate) fn chosen<T: Clone>(all: &[T], marks: &[bool]) -> Vec<T> {
+    all.iter().zip(marks).filter(|(_, mark)| **mark).map(|(item, _)| item.clone()).collect()
+}
+
 /// `sample.len()` different indices below `n`, by Floyd's method.
 fn draw(random: &mut SplitMix64, n: usize, sample: &mut [usize]) {
     let k = sample.len();

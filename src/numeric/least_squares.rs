@@ -13,6 +13,8 @@ use core::ops::ControlFlow;
 use nalgebra::{SMatrix, SVector};
 
 use super::float;
+#[cfg(feature = "std")]
+use crate::error::Error;
 
 /// A sum of squares that can be linearised, solved for a damped step and moved along it. [`minimise`] shows one.
 pub trait Problem {
@@ -103,6 +105,27 @@ pub struct Convergence {
     /// The largest scaled gradient entry of the last linearisation, in units of a residual; a stop by the length of a step or
     /// by the iterations comes one step later.
     pub gradient: f64,
+}
+
+impl Convergence {
+    /// Of a minimum that needed no iteration, as one in closed form.
+    pub(crate) fn without_iteration(cost: f64, gradient: f64) -> Self {
+        Self { converged: true, iterations: 0, initial_cost: cost, final_cost: cost, gradient }
+    }
+
+    /// Refuses an iteration that did not converge.
+    #[cfg(feature = "std")]
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if self.converged {
+            return Ok(());
+        }
+        Err(Error::NotConverged { iterations: self.iterations, cost: self.final_cost })
+    }
+}
+
+/// σ₀ = √(vᵀPv / r), the standard deviation of an observation of unit weight; `None` where nothing is redundant.
+pub(crate) fn unit_weight(weighted_sum: f64, redundancy: usize) -> Option<f64> {
+    (redundancy > 0).then(|| float::sqrt(weighted_sum / redundancy as f64))
 }
 
 /// Minimises from `start`. The state returned is the best one met, converged or not.

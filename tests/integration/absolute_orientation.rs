@@ -7,19 +7,10 @@ use collinear::adjust::{
 use collinear::geometry::{Pose, Similarity};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
+use crate::support::{numbers, points3};
+
 fn oracle() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/oracles/absolute_orientation.json")).unwrap()
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
-}
-
-fn points(value: &serde_json::Value) -> Vec<Point3<f64>> {
-    numbers(value).chunks(3).map(Point3::from_slice).collect()
 }
 
 fn pairs(case: &serde_json::Value) -> Vec<PointPair> {
@@ -34,7 +25,7 @@ fn pairs(case: &serde_json::Value) -> Vec<PointPair> {
         }
         None => Precision::Covariance(Matrix3::from_row_slice(&numbers(&case["covariances"][i]))),
     };
-    let ends = points(&case["from"]).into_iter().zip(points(&case["to"]));
+    let ends = points3(&case["from"]).into_iter().zip(points3(&case["to"]));
     ends.enumerate().map(|(i, (f, t))| PointPair::new(f, t).with_precision(precision(i))).collect()
 }
 
@@ -54,20 +45,20 @@ fn minima_are_those_of_an_iteration_in_40_digits() {
         let rotation = Matrix3::from_row_slice(&numbers(&expected["rotation"]));
         let turn = (map.rotation().matrix() - rotation).norm();
         assert!(turn < 2e-11, "{name} {turn:e}");
-        let center = map.apply(&points(&expected["center"])[0]);
-        let to = points(&expected["to"])[0];
+        let center = map.apply(&points3(&expected["center"])[0]);
+        let to = points3(&expected["to"])[0];
         assert!((center - to).norm() < 1e-9, "{name} {center}");
         let vpv = expected["vpv"].as_f64().unwrap();
         let slack = if name.starts_with("mirrored") { 1e-6 } else { 1e-9 };
         assert!((found.report.weighted_sum / vpv - 1.0).abs() < slack, "{name}");
         assert!(found.report.convergence.converged);
         for extra in case["extra"].as_array().unwrap() {
-            let [from, image] = [0, 1].map(|i| points(&extra[i])[0]);
+            let [from, image] = [0, 1].map(|i| points3(&extra[i])[0]);
             assert!((map.apply(&from) - image).norm() < 1e-9, "{name}");
             assert!((map.apply_inverse(&image) - from).norm() < 1e-9, "{name}");
         }
         // The origin is far from the points; its place shows the turn's last digits.
-        let origin = points(&expected["origin"])[0];
+        let origin = points3(&expected["origin"])[0];
         assert!((map.translation() - origin.coords).norm() < 1e-7, "{name}");
     }
 }
@@ -92,7 +83,7 @@ fn reports_are_those_of_the_same_jacobian() {
             assert!((report.standard_deviation(0) / deviation - 1.0).abs() < slack, "{name}");
         }
         let cofactor = Matrix3::from_row_slice(&numbers(&expected["center_cofactor"]));
-        let center = points(&expected["center"])[0];
+        let center = points3(&expected["center"])[0];
         let there = found.covariance_at(&center) / (sigma0 * sigma0);
         assert!((there - cofactor).norm() < 2.0 * slack * cofactor.norm(), "{name} {there}");
         let sum = report.redundancy_sum();

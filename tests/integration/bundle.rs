@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use crate::support::numbers;
+
 use collinear::adjust::bundle::{
     Adjusted, Bundle, BundleOptions, BundleReportOptions, Datum, Exclusion, ImageId, OutsideRule,
     PointId, Solver,
@@ -14,10 +16,6 @@ use nalgebra::{DMatrix, Matrix2, Matrix3, Point2, Point3, Rotation3, Vector3};
 use serde_json::Value;
 
 type Lens = CentralCamera<Gnomonic, EvenRadial>;
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
-}
 
 fn rows(v: &Value) -> Vec<Vec<f64>> {
     v.as_array().unwrap().iter().map(numbers).collect()

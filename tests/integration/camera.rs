@@ -13,11 +13,7 @@ use collinear::{Error, ProjectionError};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{exterior, interior, point};
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
-}
+use crate::support::{exterior, interior, numbers, point};
 
 fn array<const N: usize>(v: &Value) -> [f64; N] {
     numbers(v).try_into().unwrap()

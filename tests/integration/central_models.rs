@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::support::numbers;
+
 use collinear::camera::{
     Adjustable, Brown, BrownCamera, COLMAP_MODELS, CentralCamera, CentralModel, CentralProjection,
     Distortion, Division, DoubleSphere, EnhancedUnified, EvenRadial, ExteriorOrientation,
@@ -15,10 +17,6 @@ use collinear::nalgebra::{Point2, Point3, Vector2, Vector3};
 use collinear::{Error, ProjectionError};
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
-}
 
 /// A model, its parameters, and directions with their images.
 type Case = (String, Vec<f64>, Vec<(Vector3<f64>, Point2<f64>)>);

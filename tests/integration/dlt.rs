@@ -3,29 +3,16 @@
 use collinear::adjust::dlt;
 use collinear::camera::{Frame, SensorModel};
 use collinear::{Error, ExteriorOrientation, InteriorOrientation, ProjectionError};
-use nalgebra::{Matrix3, Matrix3x4, Point2, Point3, Vector3};
+use nalgebra::{Matrix3x4, Point2, Point3, Vector3};
+
+use crate::support::{matrix3, numbers, points3};
 
 fn oracle() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/oracles/dlt.json")).unwrap()
 }
 
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
-}
-
-fn points3(value: &serde_json::Value) -> Vec<Point3<f64>> {
-    numbers(value).chunks(3).map(Point3::from_slice).collect()
-}
-
 fn points2(value: &serde_json::Value) -> Vec<Point2<f64>> {
     numbers(value).chunks(2).map(Point2::from_slice).collect()
-}
-
-fn matrix(value: &serde_json::Value) -> Matrix3<f64> {
-    Matrix3::from_row_slice(&numbers(value))
 }
 
 #[test]
@@ -34,14 +21,14 @@ fn exact_pictures_give_the_camera_that_made_them() {
     for case in oracle()["cases"].as_array().unwrap().iter().filter(|c| !c["k"].is_null()) {
         let (object, image) = (points3(&case["object"]), points2(&case["image"]));
         let found = dlt(&object, &image).unwrap();
-        let k = matrix(&case["k"]);
+        let k = matrix3(&case["k"]);
         let center = points3(&case["center"])[0];
         let range = (center - object[0]).norm();
         // The first two are of fair shape; the others are flat, and one has map coordinates that a picture cannot hold to 10⁻¹⁰.
         let slack = if seen < 2 { 1e-11 } else { 1e-6 };
         assert!((found.frame.camera.matrix() - k).norm() < slack * k.norm(), "{seen}");
         let turned = found.frame.exterior.camera_from_world();
-        assert!((turned.matrix() - matrix(&case["rotation"])).norm() < slack, "{seen}");
+        assert!((turned.matrix() - matrix3(&case["rotation"])).norm() < slack, "{seen}");
         let shift = (found.frame.exterior.projection_center() - center).norm();
         assert!(shift < slack * range, "{seen} {shift:e}");
         assert!(found.sigma0 < 1e-7 && found.residuals.len() == object.len(), "{}", found.sigma0);
@@ -107,10 +94,10 @@ fn projection_matrices_are_taken_apart_as_by_opencv() {
             let moved = p.column(3) + p.fixed_columns::<3>(0) * origin.coords;
             about.set_column(3, &moved);
             let frame = Frame::from_projection_matrix(&about, &origin).unwrap();
-            let k = matrix(&case["k"]);
+            let k = matrix3(&case["k"]);
             assert!((frame.camera.matrix() - k).norm() < 1e-12 * k.norm());
             let turned = frame.exterior.camera_from_world();
-            assert!((turned.matrix() - matrix(&case["rotation"])).norm() < 1e-12);
+            assert!((turned.matrix() - matrix3(&case["rotation"])).norm() < 1e-12);
             let center = points3(&case["center"])[0];
             assert!((frame.exterior.projection_center() - center).norm() < 1e-11);
         }

@@ -5,17 +5,7 @@ use collinear::adjust::five_point;
 use collinear::geometry::Pose;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
-/// SplitMix64, in (−1, 1).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
+use crate::support::{numbers, signed};
 
 fn distance(a: &Pose, b: &Pose) -> f64 {
     (a.origin - b.origin).norm() + (a.rotation.matrix() - b.rotation.matrix()).norm()
@@ -51,7 +41,7 @@ fn scene(next: &mut impl FnMut() -> f64) -> (Pose, [Vector3<f64>; 5], [Vector3<f
 }
 
 fn exact_scenes(count: u32, seed: u64) -> (u32, f64) {
-    let mut next = random(seed);
+    let mut next = signed(seed);
     let (mut missed, mut worst) = (0, 0.0f64);
     for _ in 0..count {
         let (truth, first, second) = scene(&mut next);
@@ -77,13 +67,6 @@ fn no_motion_of_1000_exact_scenes_is_missed() {
 fn no_motion_of_100_000_exact_scenes_is_missed() {
     let (missed, worst) = exact_scenes(100_000, 5);
     assert!(missed == 0 && worst < 1e-12, "{missed} {worst:e}");
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
 }
 
 #[test]
@@ -123,7 +106,7 @@ fn every_motion_found_in_40_digits_is_found_and_no_other() {
 
 #[test]
 fn what_determines_no_motion_is_refused() {
-    let (_, first, second) = scene(&mut random(1));
+    let (_, first, second) = scene(&mut signed(1));
     let degenerate = |f: [usize; 5]| match five_point(&f.map(|i| first[i]), &f.map(|i| second[i])) {
         Err(Error::Degenerate { measure, limit, .. }) => assert!(measure <= limit),
         other => panic!("{other:?}"),

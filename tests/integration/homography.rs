@@ -12,6 +12,8 @@ use nalgebra::{Matrix2, Matrix3, Point2, Point3, Vector3};
 use num_rational::BigRational;
 use proptest::prelude::*;
 
+use crate::support::uniform;
+
 type Quad = [Point2<f64>; 4];
 
 const UNIT: Quad =
@@ -654,21 +656,9 @@ fn a_truncated_loss_leaves_a_blunder_out() {
     assert!((p - q).norm() < 1.0, "{}", (p - q).norm());
 }
 
-/// SplitMix64, so that the scenes need no crate.
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// A scene half of which is wrong, found but for so many of the good points.
 fn robust_scene(seed: u64, missing: usize) {
-    let mut next = random(seed);
+    let mut next = uniform(seed);
     let mut corner =
         |x: f64, y: f64| Point2::new(x + 600.0 * next() - 300.0, y + 600.0 * next() - 300.0);
     let target = [
@@ -718,7 +708,7 @@ fn half_the_points_may_be_wrong_with_any_of_200_seeds() {
 #[test]
 fn noise_is_no_consensus() {
     for seed in 0..20 {
-        let mut next = random(seed);
+        let mut next = uniform(seed);
         let mut cloud =
             || (0..60).map(|_| Point2::new(4000.0 * next(), 3000.0 * next())).collect::<Vec<_>>();
         let (object, image) = (cloud(), cloud());

@@ -10,25 +10,16 @@ use collinear::numeric::robust_loss::RobustLoss;
 use collinear::{Error, ExteriorOrientation, Frame, InteriorOrientation, ProjectionError};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Point2, Point3, Rotation3, Vector3};
 
+use crate::support::{numbers, points3};
+
 fn oracle() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/oracles/intersection.json")).unwrap()
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
-}
-
-fn points(value: &serde_json::Value) -> Vec<Point3<f64>> {
-    numbers(value).chunks(3).map(Point3::from_slice).collect()
 }
 
 fn camera(value: &serde_json::Value) -> Frame<InteriorOrientation> {
     let rotation = Matrix3::from_row_slice(&numbers(&value["rotation"]));
     let exterior = ExteriorOrientation::new(
-        points(&value["center"])[0],
+        points3(&value["center"])[0],
         Rotation3::from_matrix_unchecked(rotation),
     );
     let i = numbers(&value["interior"]);
@@ -54,7 +45,7 @@ fn minima_and_covariances_are_those_of_40_digits() {
         let found = intersect(&observations, &IntersectionOptions::default()).unwrap();
         let (report, solution) = (&found.report, &case["solution"]);
         let cofactor = Matrix3::from_row_slice(&numbers(&solution["cofactor"]));
-        let expected = points(&solution["point"])[0];
+        let expected = points3(&solution["point"])[0];
         // Rounding in units of the point's own standard deviation for unit weight.
         let shift = found.point - expected;
         let (scale, largest) = (cofactor.trace().sqrt(), expected.coords.amax());
@@ -83,14 +74,14 @@ fn minima_and_covariances_are_those_of_40_digits() {
 #[test]
 fn the_nearest_point_to_weighted_rays_is_that_of_40_digits() {
     for case in oracle()["rays"].as_array().unwrap() {
-        let rays: Vec<_> = points(&case["origins"])
+        let rays: Vec<_> = points3(&case["origins"])
             .into_iter()
-            .zip(points(&case["directions"]))
+            .zip(points3(&case["directions"]))
             .map(|(origin, direction)| Ray::new(origin, direction.coords).unwrap())
             .collect();
         let weights = numbers(&case["weights"]);
         let found = nearest_point(&rays, Some(&weights)).unwrap();
-        let expected = points(&case["point"])[0];
+        let expected = points3(&case["point"])[0];
         let measure = case["measure"].as_f64().unwrap();
         assert!((found.measure / measure - 1.0).abs() < 1e-8, "{} {measure}", found.measure);
         let range = (expected - rays[0].origin).norm();

@@ -5,17 +5,7 @@ use collinear::adjust::p3p;
 use collinear::geometry::Pose;
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
-/// SplitMix64, in (−1, 1).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
+use crate::support::{numbers, signed};
 
 /// The largest error of a pose: of R Rᵀ, of the directions it sees (of the place across it, for a point nearer than the
 /// longest edge, which a rounded centre sees with an error that grows as the point comes near), and the relative
@@ -53,7 +43,7 @@ fn scene(next: &mut impl FnMut() -> f64) -> (Pose, [Point3<f64>; 3], [Vector3<f6
 
 /// Runs exact scenes; returns how many had no root near the truth, and the worst residual.
 fn exact_scenes(count: u32, seed: u64) -> (u32, f64) {
-    let mut next = random(seed);
+    let mut next = signed(seed);
     let (mut missed, mut worst) = (0, 0.0f64);
     for _ in 0..count {
         let (truth, object, directions) = scene(&mut next);
@@ -86,13 +76,6 @@ fn no_root_of_a_million_exact_scenes_is_missed() {
 
 fn oracle() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/oracles/p3p.json")).unwrap()
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
 }
 
 fn vectors(value: &serde_json::Value) -> [Vector3<f64>; 3] {
@@ -192,7 +175,7 @@ fn where_no_pose_exists_there_is_no_root() {
 
 #[test]
 fn lengths_and_units_do_not_matter() {
-    let mut next = random(9);
+    let mut next = signed(9);
     let (truth, object, directions) = scene(&mut next);
     for scale in [1e-200, 1e-90, 1e90, 1e200] {
         let found = p3p(&object, &directions.map(|d| d * scale)).unwrap();
@@ -205,7 +188,7 @@ fn lengths_and_units_do_not_matter() {
 
 #[test]
 fn what_determines_no_pose_is_refused() {
-    let (_, object, directions) = scene(&mut random(5));
+    let (_, object, directions) = scene(&mut signed(5));
     let line = [object[0], object[1], object[0] + (object[1] - object[0]) * 0.25];
     let is_degenerate = |e: Error, words: &str| match e {
         Error::Degenerate { what, measure, limit } => {

@@ -4,15 +4,10 @@ use collinear::Error;
 use collinear::adjust::p4pf;
 use nalgebra::{Matrix3, Point2, Point3, Vector3};
 
+use crate::support::{numbers, signed};
+
 fn oracle() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/oracles/p4pf.json")).unwrap()
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
 }
 
 fn object(case: &serde_json::Value) -> [Point3<f64>; 4] {
@@ -72,21 +67,9 @@ fn cameras_made_and_found_elsewhere_are_found() {
     }
 }
 
-/// SplitMix64, in (−1, 1).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 /// How many of so many exact scenes are missed: no root with the true f.
 fn missed(count: u32, seed: u64) -> u32 {
-    let mut next = random(seed);
+    let mut next = signed(seed);
     let mut missed = 0;
     for _ in 0..count {
         let f = 1500.0 * (1.5 * next()).exp();

@@ -10,12 +10,10 @@ use nalgebra::{Matrix2, Matrix3, Point2, Vector3};
 use proptest::prelude::*;
 use serde_json::Value;
 
+use crate::support::numbers;
+
 fn oracles() -> Value {
     serde_json::from_str(include_str!("../data/oracles/polynomial.json")).unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
 }
 
 fn point(v: &Value) -> Point2<f64> {

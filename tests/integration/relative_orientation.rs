@@ -8,21 +8,12 @@ use collinear::camera::{Brown, BrownCamera, CentralModel};
 use collinear::geometry::Pose;
 use collinear::numeric::consensus::ConsensusOptions;
 use collinear::{Error, InteriorOrientation};
-use nalgebra::{Matrix2, Matrix3, Matrix3x2, Point2, Point3, Rotation3, Vector3};
+use nalgebra::{Matrix2, Matrix3x2, Point2, Point3, Rotation3, Vector3};
+
+use crate::support::{matrix3, numbers, signed};
 
 fn oracle() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/oracles/relative_orientation.json")).unwrap()
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(list) => list.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
-}
-
-fn matrix(value: &serde_json::Value) -> Matrix3<f64> {
-    Matrix3::from_row_slice(&numbers(value))
 }
 
 fn cameras(case: &serde_json::Value) -> [InteriorOrientation; 2] {
@@ -60,7 +51,7 @@ fn it_is_the_adjustment_with_model_points_in_30_digits() {
         let b = found.pose.origin.coords;
         assert!((b.norm() - 1.0).abs() < 1e-14);
         assert!((b - base).norm() < 1e-10, "{number} {}", (b - base).norm());
-        let turn = found.pose.rotation.matrix() - matrix(&solution["rotation"]);
+        let turn = found.pose.rotation.matrix() - matrix3(&solution["rotation"]);
         assert!(turn.norm() < 1e-10, "{number} {}", turn.norm());
         let report = &found.report;
         let n = pairs.len();
@@ -88,7 +79,7 @@ fn it_is_the_adjustment_with_model_points_in_30_digits() {
         let qd = c.fixed_view::<3, 3>(2, 2) / unit;
         let mixed = across * c.fixed_view::<2, 3>(0, 2) / unit;
         for (name, q) in [("base", qb), ("turn", qd), ("mixed", mixed)] {
-            let expected = matrix(&solution[format!("{name}_cofactor").as_str()]);
+            let expected = matrix3(&solution[format!("{name}_cofactor").as_str()]);
             let error = (q - expected).norm() / expected.norm();
             let limit = 1e-8;
             assert!(error < limit, "{number} {name} {error:e}");
@@ -116,18 +107,6 @@ fn a_published_relative_orientation() {
     assert!((angles.kappa - 0.000_466_548).abs() < 2e-5, "{angles:?}");
 }
 
-/// SplitMix64, in (−1, 1).
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 fn lens() -> BrownCamera {
     let interior =
         InteriorOrientation::new([1000.0, 1005.0], Point2::new(640.0, 480.0), 0.0).unwrap();
@@ -137,7 +116,7 @@ fn lens() -> BrownCamera {
 
 /// Pairs of n points seen through two lenses, with noise of half a width `noise`; every `wrong`-th pair is anywhere.
 fn scene(seed: u64, n: usize, noise: f64, wrong: usize) -> (Pose, Vec<ImagePair>) {
-    let mut next = random(seed);
+    let mut next = signed(seed);
     let rotation = Rotation3::new(Vector3::new(0.2 * next(), 0.2 * next(), next()));
     let base = Vector3::new(next(), next(), 0.5 * next()).normalize();
     let camera = lens();

@@ -8,6 +8,8 @@ use collinear::resample::{Border, Filter, ImageView, ImageViewMut, Sample, sampl
 use proptest::prelude::*;
 use serde_json::Value;
 
+use crate::support::numbers;
+
 const BORDERS: [Border; 5] = [
     Border::Transparent,
     Border::Constant([40.0, 50.0, 60.0, 70.0]),
@@ -16,10 +18,6 @@ const BORDERS: [Border; 5] = [
     Border::Mirror,
 ];
 const FILTERS: [Filter; 2] = [Filter::Nearest, Filter::Bilinear];
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
-}
 
 fn at(x: f64, y: f64) -> Point2<f64> {
     Point2::new(x, y)

@@ -14,9 +14,7 @@ use collinear::numeric::robust_loss::RobustLoss;
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, Point3, Rotation3, SMatrix, Vector3};
 use serde_json::Value;
 
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect()
-}
+use crate::support::numbers;
 
 fn lists(v: &Value) -> Vec<Vec<f64>> {
     v.as_array().unwrap().iter().map(numbers).collect()

@@ -1,34 +1,14 @@
 //! Space resection among wrong points, against the camera that the scenes were made with.
 
 use collinear::adjust::{ControlPoint, ResectionOptions, resect, resect_robust};
-use collinear::nalgebra::{Point2, Point3, Rotation3, UnitQuaternion, Vector3};
+use collinear::nalgebra::{Point2, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use collinear::numeric::consensus::ConsensusOptions;
 use collinear::{Error, InteriorOrientation};
 
-/// SplitMix64.
-struct Random(u64);
+use crate::support::Random;
 
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
-        radius * (core::f64::consts::TAU * self.unit()).cos()
-    }
-
-    fn vector(&mut self) -> Vector3<f64> {
-        Vector3::new(self.normal(), self.normal(), self.normal())
-    }
+fn vector(random: &mut Random) -> Vector3<f64> {
+    Vector3::new(random.normal(), random.normal(), random.normal())
 }
 
 fn camera() -> InteriorOrientation {
@@ -43,11 +23,8 @@ struct Scene {
 /// n points of which the first `wrong` are measured anywhere in 1280 × 960, the others with σ = ½ pixel, written out by hand.
 fn scene(seed: u64, n: usize, wrong: usize) -> Scene {
     let mut random = Random(seed);
-    let rotation: Rotation3<f64> = {
-        let q = nalgebra_quaternion(&mut random);
-        q.to_rotation_matrix()
-    };
-    let translation = random.vector() * 3.0;
+    let rotation: Rotation3<f64> = quaternion(&mut random).to_rotation_matrix();
+    let translation = vector(&mut random) * 3.0;
     let control = (0..n)
         .map(|i| {
             let (u, v) = (random.within(40.0, 1240.0), random.within(40.0, 920.0));
@@ -65,8 +42,7 @@ fn scene(seed: u64, n: usize, wrong: usize) -> Scene {
     Scene { rotation, control }
 }
 
-fn nalgebra_quaternion(random: &mut Random) -> UnitQuaternion<f64> {
-    use collinear::nalgebra::Quaternion;
+fn quaternion(random: &mut Random) -> UnitQuaternion<f64> {
     let [w, x, y, z] = [0; 4].map(|_| random.normal());
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
@@ -121,13 +97,10 @@ fn the_camera_is_that_of_the_points_that_agree() {
 fn the_same_seed_gives_the_same_bits() {
     let scene = scene(9, 80, 50);
     let find = |seed| {
-        let options = ResectionOptions::default();
-        let found = resect_robust(&camera(), &scene.control, &options_of(seed), &options).unwrap();
+        let how = ResectionOptions::default();
+        let found = resect_robust(&camera(), &scene.control, &options(seed), &how).unwrap();
         (found.resection.sensor.exterior, found.inliers, found.trials)
     };
-    fn options_of(seed: u64) -> ConsensusOptions {
-        options(seed)
-    }
     assert_eq!(find(3), find(3));
 }
 

@@ -45,7 +45,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
     /// camera without a photograph.
     pub(super) fn parameter_column(&self, camera: usize, column: usize) -> Option<usize> {
         let (bundle, layout) = (self.bundle, self.layout);
-        let image = bundle.images.iter().position(|i| i.camera as usize == camera)?;
+        let image = layout.camera_image[camera]? as usize;
         Some(if layout.own < layout.total {
             layout.camera_column(bundle.images.len(), camera) + column
         } else {

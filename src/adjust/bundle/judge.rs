@@ -22,10 +22,11 @@ use super::schur::times;
 use super::state::State;
 use super::width::Width;
 use super::{dense, solve};
-use crate::adjust::report::observed;
+use crate::adjust::report::{self, observed};
 use crate::adjust::{ObservationReport, precision};
 use crate::camera::{Adjustable, CentralModel};
 use crate::error::Error;
+use crate::numeric::least_squares::unit_weight;
 
 /// The largest reduced system that is inverted: 12,000² numbers are 1.2 GB.
 const MOST_INVERTED: usize = 12_000;
@@ -67,12 +68,8 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             Datum::Given => None,
             Datum::Free => Some(Similarity::new(bundle, layout, state)?),
         };
-        let singular = |measure: f64| Error::Degenerate {
-            what: "normal equations: the observations do not determine the unknowns",
-            measure,
-            limit: f64::EPSILON,
-        };
-        let inverses = self.inverses(&normal, 0.0).ok_or_else(|| singular(0.0))?;
+        let singular = report::undetermined(0.0, f64::EPSILON);
+        let inverses = self.inverses(&normal, 0.0).ok_or(singular)?;
         let mut matrix = self.reduce(&normal, &inverses).matrix;
         let scale = solve::scale(&normal.diagonal);
         solve::scale_matrix(&mut matrix, &scale, &normal.diagonal, 0.0);
@@ -80,7 +77,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         if let Some(g) = &g {
             add_null_space(&mut matrix, &scale, g);
         }
-        dense::factorise(&mut matrix, n).map_err(|_| singular(0.0))?;
+        dense::factorise(&mut matrix, n).map_err(|_| singular)?;
         let mut q = dense::inverse(&matrix, n);
         drop(matrix);
         for (r, row) in q.chunks_exact_mut(n.max(1)).enumerate() {
@@ -163,8 +160,8 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                 needed: (unknowns - conditions).div_ceil(2),
                 got: observations / 2,
             })?;
-        let sigma0 = (redundancy > 0).then(|| (weighted_sum / redundancy as f64).sqrt());
-        let sigma = sigma0.filter(|s| how.estimate_sigma && *s > 0.0).unwrap_or(1.0);
+        let sigma0 = unit_weight(weighted_sum, redundancy);
+        let sigma = report::sigma(sigma0, how.estimate_sigma);
         Ok(BundleReport {
             observations,
             unknowns,

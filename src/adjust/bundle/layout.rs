@@ -43,6 +43,8 @@ pub(super) struct Layout {
     pub(super) total: usize,
     /// For each camera, the points it sees; empty where no camera is shared.
     pub(super) camera_points: Vec<Vec<u32>>,
+    /// For each camera its first photograph, where it has any.
+    pub(super) camera_image: Vec<Option<u32>>,
     /// The spread of the object points, by which lengths are judged.
     pub(super) extent: f64,
 }
@@ -67,9 +69,7 @@ impl Layout {
         }
         // A point with one ray and no coordinates of its own says nothing of the block.
         let mut rays = vec![0_u32; points];
-        let active = |takes_part: &[bool], i: usize| takes_part.get(i).copied().unwrap_or(false);
-        for (i, seen) in bundle.seen.iter().enumerate().filter(|(i, _)| active(&takes_part, *i)) {
-            let _ = i;
+        for (seen, _) in bundle.seen.iter().zip(&takes_part).filter(|(_, takes)| **takes) {
             rays[seen.point as usize] += 1;
         }
         let mut roles: Vec<Role> = bundle
@@ -104,7 +104,7 @@ impl Layout {
             roles[*point as usize] = Role::Kept(place as u32);
         }
         let mut order: Vec<u32> = (0..bundle.seen.len() as u32).collect();
-        order.retain(|i| active(&takes_part, *i as usize));
+        order.retain(|i| takes_part[*i as usize]);
         order.shrink_to_fit();
         let key = |i: &u32| {
             let seen = &bundle.seen[*i as usize];
@@ -134,8 +134,10 @@ impl Layout {
         }
         let of_camera = bundle.cameras.iter().map(|c| c.columns.len()).max().unwrap_or(0);
         let mut users = vec![0_u32; bundle.cameras.len()];
-        for image in &bundle.images {
+        let mut camera_image = vec![None; bundle.cameras.len()];
+        for (i, image) in bundle.images.iter().enumerate() {
             users[image.camera as usize] += 1;
+            camera_image[image.camera as usize].get_or_insert(i as u32);
         }
         let shared = of_camera > 0 && users.iter().any(|u| *u > 1);
         let total = 6 + of_camera;
@@ -150,6 +152,7 @@ impl Layout {
             own: if shared { 6 } else { total },
             total,
             camera_points: Vec::new(),
+            camera_image,
             extent: extent(bundle),
         };
         if shared {

@@ -5,7 +5,7 @@ mod robust;
 
 use alloc::vec::Vec;
 
-use nalgebra::{DMatrix, Point2, Point3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{Point2, Point3, Rotation3, SMatrix, SVector, Vector3};
 
 use self::pair::{Settled, Sight};
 use super::five_point::{five_point, in_front, moved, tangents};
@@ -16,9 +16,8 @@ use super::settle::minimise_to_rounding;
 use crate::camera::CentralModel;
 use crate::error::Error;
 use crate::geometry::{Pose, Ray};
-use crate::numeric::float;
 use crate::numeric::least_squares::{
-    Convergence, Damped, LeastSquaresOptions, NormalEquations, Problem,
+    Convergence, Damped, LeastSquaresOptions, NormalEquations, Problem, unit_weight,
 };
 use crate::numeric::robust_loss::RobustLoss;
 
@@ -181,10 +180,7 @@ pub fn relative_orientation(
         let what = "pictures without parallax";
         return Err(Error::Degenerate { what, measure: parallax, limit });
     }
-    if !convergence.converged {
-        let (iterations, cost) = (convergence.iterations, convergence.final_cost);
-        return Err(Error::NotConverged { iterations, cost });
-    }
+    convergence.check()?;
     task.finish(&motion, options.estimate_sigma, convergence)
 }
 
@@ -313,12 +309,10 @@ impl Task<'_> {
             normal += row * row.transpose() * robust(s);
             weighted_sum += s.squared() * robust(s);
         }
-        let (cofactor, condition) =
-            report::cofactor(&DMatrix::from_fn(5, 5, |i, j| normal[(i, j)]))?;
-        let q = SMatrix::<f64, 5, 5>::from_fn(|i, j| cofactor[(i, j)]);
+        let (q, condition) = report::fixed_cofactor(&normal)?;
         let redundancy = settled.len() - 5;
-        let sigma0 = (redundancy > 0).then(|| float::sqrt(weighted_sum / redundancy as f64));
-        let sigma = sigma0.filter(|s| estimate_sigma && *s > 0.0).unwrap_or(1.0);
+        let sigma0 = unit_weight(weighted_sum, redundancy);
+        let sigma = report::sigma(sigma0, estimate_sigma);
         let mut values = Vec::with_capacity(4 * settled.len());
         for (sight, s) in self.sights.iter().zip(&settled) {
             // A pair that the loss ignores has an infinite variance.
@@ -338,7 +332,7 @@ impl Task<'_> {
             weighted_sum,
             sigma0,
             sigma,
-            covariance: cofactor * (sigma * sigma),
+            covariance: report::covariance(&q, sigma),
             condition,
             values,
             convergence,

@@ -6,13 +6,14 @@ use super::{
     ImagePair, Motion, RelativeOrientation, RelativeOrientationOptions, Sight, Task,
     relative_orientation,
 };
+use crate::adjust::agreement;
 use crate::adjust::five_point::five_point;
 use crate::camera::CentralModel;
 use crate::error::Error;
 use crate::geometry::Pose;
-use crate::numeric::consensus::{ConsensusOptions, Estimator, log10_false_alarms, search};
+use crate::numeric::consensus::{ConsensusOptions, Estimator, chosen, log10_false_alarms, search};
 use crate::numeric::float;
-use crate::numeric::least_squares::{LeastSquaresOptions, NormalEquations, minimise};
+use crate::numeric::least_squares::{NormalEquations, minimise};
 use crate::numeric::robust_loss::RobustLoss;
 
 /// A relative orientation that most pairs agree on.
@@ -94,58 +95,35 @@ pub fn relative_orientation_robust(
     let sights = super::sights(first, second, pairs)?;
     let motions = Motions { cameras: [first, second], sights: &sights };
     let found = search(&motions, consensus)?;
-    let (mut inliers, mut motion) = (found.inliers, found.model);
     let limit = consensus.threshold * consensus.threshold;
-    for round in 1.. {
-        let agreeing: Vec<ImagePair> =
-            pairs.iter().zip(&inliers).filter(|(_, i)| **i).map(|(p, _)| *p).collect();
+    let adjust = |agreeing: &[ImagePair], motion: Motion| {
         let start = Pose::new(motion.rotation, motion.base.into());
         let options = RelativeOrientationOptions { start: Some(start), ..*options };
-        let orientation = relative_orientation(first, second, &agreeing, &options)?;
+        let orientation = relative_orientation(first, second, agreeing, &options)?;
         let pose = orientation.pose;
-        motion = Motion { rotation: pose.rotation, base: pose.origin.coords };
-        let again: Vec<bool> =
+        let motion = Motion { rotation: pose.rotation, base: pose.origin.coords };
+        let again =
             (0..sights.len()).map(|i| motions.squared_residual(&motion, i) <= limit).collect();
-        if again != inliers && round < ROUNDS {
-            inliers = again;
-            continue;
-        }
-        let log10_false_alarms = false_alarms(pairs, agreeing.len(), consensus.threshold, &sights);
-        if !(log10_false_alarms < CHANCE) {
-            let (inliers, trials) = (agreeing.len(), found.trials);
-            return Err(Error::NoConsensus { inliers, needed: inliers + 1, trials });
-        }
-        return Ok(RobustRelativeOrientation {
-            orientation,
-            inliers,
-            inlier_count: agreeing.len(),
-            trials: found.trials,
-            log10_false_alarms,
-        });
-    }
-    Err(Error::NoConsensus { inliers: 0, needed: 6, trials: found.trials })
+        Ok((orientation, motion, again))
+    };
+    let agreed = agreement::settle(pairs, found, adjust, |count| {
+        false_alarms(pairs, count, consensus.threshold, &sights)
+    })?;
+    Ok(RobustRelativeOrientation {
+        orientation: agreed.adjusted,
+        inliers: agreed.inliers,
+        inlier_count: agreed.inlier_count,
+        trials: agreed.trials,
+        log10_false_alarms: agreed.log10_false_alarms,
+    })
 }
-
-/// Steps of the refinement of a promising motion.
-const LOCAL_ITERATIONS: u32 = 4;
-/// Adjustments until the pairs that agree stay the same.
-const ROUNDS: u32 = 10;
-/// log₁₀ of the false alarms that are borne.
-const CHANCE: f64 = -6.0;
 
 /// log₁₀ NFA.
 fn false_alarms(pairs: &[ImagePair], agreeing: usize, threshold: f64, sights: &[Sight]) -> f64 {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for pair in pairs {
-        for i in 0..2 {
-            low[i] = low[i].min(pair.second[i]);
-            high[i] = high[i].max(pair.second[i]);
-        }
-    }
     // Variances to pixels: the largest of both pictures, so that chance is never made too small.
     let variance = sights.iter().map(|s| s.covariance().amax()).fold(0.0, f64::max);
     let reach = threshold * float::sqrt(2.0 * variance);
-    let (width, height) = (high[0] - low[0] + 2.0 * reach, high[1] - low[1] + 2.0 * reach);
+    let [width, height] = agreement::rectangle(pairs.iter().map(|p| p.second), reach);
     let chance = (2.0 * reach * float::hypot(width, height) / (width * height)).min(1.0);
     log10_false_alarms(10, 5, pairs.len(), agreeing, chance)
 }
@@ -181,17 +159,12 @@ impl Estimator for Motions<'_> {
     }
 
     fn refine(&self, motion: &Motion, inliers: &[bool]) -> Option<Motion> {
-        let agreeing: Vec<Sight> =
-            self.sights.iter().zip(inliers).filter(|(_, i)| **i).map(|(s, _)| s.clone()).collect();
+        let agreeing = chosen(self.sights, inliers);
         if agreeing.len() <= Self::SAMPLE {
             return None;
         }
         let task = Task { cameras: self.cameras, sights: &agreeing, loss: RobustLoss::Squared };
-        let options = LeastSquaresOptions {
-            max_iterations: LOCAL_ITERATIONS,
-            decrease_tolerance: 1e-3,
-            ..LeastSquaresOptions::default()
-        };
+        let options = agreement::local_options();
         Some(minimise(&task, *motion, &mut NormalEquations::default(), &options).0)
     }
 }

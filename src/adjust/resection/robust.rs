@@ -6,13 +6,13 @@ use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::solve::{Observed, Task};
 use super::{ControlPoint, Resection, ResectionOptions, observed, resect};
+use crate::adjust::agreement;
 use crate::adjust::p3p;
 use crate::adjust::unknowns::{Columns, Unknown};
 use crate::camera::{Adjustable, CentralModel, ExteriorOrientation, Frame};
 use crate::error::Error;
-use crate::numeric::consensus::{ConsensusOptions, Estimator, log10_false_alarms, search};
+use crate::numeric::consensus::{ConsensusOptions, Estimator, chosen, log10_false_alarms, search};
 use crate::numeric::float;
-use crate::numeric::least_squares::LeastSquaresOptions;
 
 /// A resection that most control points agree on.
 #[derive(Clone, Debug)]
@@ -88,72 +88,40 @@ pub fn resect_robust<C: CentralModel + Adjustable + Clone>(
     let points = observed(control)?;
     let sights = points.iter().map(|p| camera.direction(&p.image).ok()).collect();
     let local = ResectionOptions {
-        least_squares: LeastSquaresOptions {
-            max_iterations: LOCAL_ITERATIONS,
-            decrease_tolerance: 1e-3,
-            ..LeastSquaresOptions::default()
-        },
+        least_squares: agreement::local_options(),
         ..ResectionOptions::default()
     };
     let nowhere = ExteriorOrientation::new(Point3::origin(), Rotation3::identity());
     let columns = Columns::resolve(&Frame::new(nowhere, camera.clone()), &[Unknown::group(0)])?;
     let poses = Poses { camera, points: &points, sights, columns, options: local };
     let found = search(&poses, consensus)?;
-    let (mut inliers, mut pose) = (found.inliers, found.model);
     let limit = consensus.threshold * consensus.threshold;
-    for round in 1.. {
-        let agreeing: Vec<ControlPoint> =
-            control.iter().zip(&inliers).filter(|(_, i)| **i).map(|(c, _)| *c).collect();
+    let adjust = |agreeing: &[ControlPoint], pose: ExteriorOrientation| {
         let options = ResectionOptions { start: Some(pose), ..options.clone() };
-        let resection = resect(camera, &agreeing, &options)?;
-        pose = resection.sensor.exterior;
-        let again: Vec<bool> =
-            points.iter().map(|p| p.squared(&resection.sensor) <= limit).collect();
-        if again != inliers && round < ROUNDS {
-            inliers = again;
-            continue;
-        }
-        let log10_false_alarms = false_alarms(&points, agreeing.len(), consensus.threshold);
-        if !(log10_false_alarms < CHANCE) {
-            return Err(Error::NoConsensus {
-                inliers: agreeing.len(),
-                needed: agreeing.len() + 1,
-                trials: found.trials,
-            });
-        }
-        return Ok(RobustResection {
-            resection,
-            inliers,
-            inlier_count: agreeing.len(),
-            trials: found.trials,
-            log10_false_alarms,
-        });
-    }
-    Err(Error::NoConsensus { inliers: 0, needed: 4, trials: found.trials })
+        let resection = resect(camera, agreeing, &options)?;
+        let again = points.iter().map(|p| p.squared(&resection.sensor) <= limit).collect();
+        let pose = resection.sensor.exterior;
+        Ok((resection, pose, again))
+    };
+    let agreed = agreement::settle(control, found, adjust, |count| {
+        false_alarms(&points, count, consensus.threshold)
+    })?;
+    Ok(RobustResection {
+        resection: agreed.adjusted,
+        inliers: agreed.inliers,
+        inlier_count: agreed.inlier_count,
+        trials: agreed.trials,
+        log10_false_alarms: agreed.log10_false_alarms,
+    })
 }
-
-/// Steps of the refinement of a promising pose; the last resection does the rest.
-const LOCAL_ITERATIONS: u32 = 4;
-/// Resections until the points that agree stay the same.
-const ROUNDS: u32 = 10;
-/// log₁₀ of the false alarms that are borne.
-const CHANCE: f64 = -6.0;
 
 /// log₁₀ NFA.
 fn false_alarms(points: &[Observed], agreeing: usize, threshold: f64) -> f64 {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let mut sigma: f64 = 0.0;
-    for point in points {
-        for i in 0..2 {
-            low[i] = low[i].min(point.image[i]);
-            high[i] = high[i].max(point.image[i]);
-        }
-        sigma = sigma.max(point.covariance.amax());
-    }
+    let variance = points.iter().map(|p| p.covariance.amax()).fold(0.0, f64::max);
     // Variances to pixels: the largest, so that chance is never made too small.
-    let reach = threshold * float::sqrt(sigma);
-    let area = (high[0] - low[0] + 2.0 * reach) * (high[1] - low[1] + 2.0 * reach);
-    let chance = (core::f64::consts::PI * reach * reach / area).min(1.0);
+    let reach = threshold * float::sqrt(variance);
+    let [width, height] = agreement::rectangle(points.iter().map(|p| p.image), reach);
+    let chance = (core::f64::consts::PI * reach * reach / (width * height)).min(1.0);
     log10_false_alarms(4, 3, points.len(), agreeing, chance)
 }
 
@@ -196,8 +164,7 @@ impl<C: CentralModel + Adjustable + Clone> Estimator for Poses<'_, C> {
     }
 
     fn refine(&self, model: &ExteriorOrientation, inliers: &[bool]) -> Option<ExteriorOrientation> {
-        let points: Vec<Observed> =
-            self.points.iter().zip(inliers).filter(|(_, i)| **i).map(|(p, _)| *p).collect();
+        let points = chosen(self.points, inliers);
         if points.len() <= Self::SAMPLE {
             return None;
         }

@@ -15,8 +15,10 @@ use crate::adjust::report::{self, ObservationReport, Report};
 use crate::adjust::unknowns::Columns;
 use crate::camera::{Adjustable, SensorModel};
 use crate::error::{Error, ProjectionError};
-use crate::numeric::float;
-use crate::numeric::least_squares::{Convergence, Damped, NormalEquations, Problem, minimise};
+use crate::numeric::least_squares::{
+    Convergence, Damped, NormalEquations, Problem, minimise, unit_weight,
+};
+use crate::numeric::robust_loss::RobustLoss;
 
 /// A control point with its precisions as matrices.
 #[derive(Clone, Copy, Debug)]
@@ -163,6 +165,19 @@ pub(super) struct Minimised<S> {
     offset: Vec<f64>,
 }
 
+/// The sum of the points' losses.
+fn losses<S: SensorModel>(
+    points: &[Observed],
+    loss: &RobustLoss,
+    sensor: &S,
+) -> Result<f64, ProjectionError> {
+    let mut sum = 0.0;
+    for point in points {
+        sum += loss.cost(point.settle(sensor)?.squared());
+    }
+    Ok(sum)
+}
+
 /// Calls a function of `Fit<_, N>` for the least compiled N that holds the unknowns.
 macro_rules! with_size {
     ($task:expr, $fit:ident, $call:expr) => {
@@ -193,11 +208,7 @@ pub(super) const MOST: usize = 48;
 impl Task<'_> {
     /// Half the sum of losses.
     pub(super) fn cost<S: SensorModel>(&self, sensor: &S) -> Result<f64, ProjectionError> {
-        let mut sum = 0.0;
-        for point in self.points {
-            sum += self.options.loss.cost(point.settle(sensor)?.squared());
-        }
-        Ok(0.5 * sum)
+        Ok(0.5 * losses(self.points, &self.options.loss, sensor)?)
     }
 
     /// The nearest minimum.
@@ -210,10 +221,7 @@ impl Task<'_> {
         &self,
         minimum: &Minimised<S>,
     ) -> Result<(Report, Vec<usize>), Error> {
-        if !minimum.convergence.converged {
-            let Convergence { iterations, final_cost: cost, .. } = minimum.convergence;
-            return Err(Error::NotConverged { iterations, cost });
-        }
+        minimum.convergence.check()?;
         with_size!(self, fit, fit.report(minimum))
     }
 }
@@ -258,7 +266,7 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
     fn rows(
         &self,
         sensor: &S,
-        mut each: impl FnMut(&Observed, &Settled, &[SVector<f64, N>; 2], f64),
+        mut each: impl FnMut(&'a Observed, Settled, [SVector<f64, N>; 2], f64),
     ) -> Result<(), ProjectionError> {
         let held_or = |group: &usize| {
             let len = if self.columns.uses(*group) { 2 * self.columns.lengths[*group] } else { 0 };
@@ -289,7 +297,8 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
                     })
                 }),
             };
-            each(point, &settled, &rows, self.options.loss.weight(settled.squared()));
+            let robust = self.options.loss.weight(settled.squared());
+            each(point, settled, rows, robust);
         }
         Ok(())
     }
@@ -298,9 +307,11 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
         let Minimised { sensor, convergence, offset } = minimum;
         let unknowns = self.columns.len();
         let (mut normal, mut sum) = (NormalEquations::<N>::default(), 0.0);
-        self.rows(sensor, |_, settled, rows, robust| {
-            add(&mut normal, settled, rows, robust);
+        let mut all = Vec::with_capacity(self.points.len());
+        self.rows(sensor, |point, settled, rows, robust| {
+            add(&mut normal, &settled, &rows, robust);
             sum += robust * settled.squared();
+            all.push((point, settled, rows, robust));
         })?;
         let mut matrix = normal.matrix().view((0, 0), (unknowns, unknowns)).into_owned();
         let mut priors = 0;
@@ -311,19 +322,19 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
         }
         let (cofactor, condition) = report::cofactor(&matrix)?;
         let redundancy = (2 * self.points.len() + priors).saturating_sub(unknowns);
-        let sigma0 = (redundancy > 0).then(|| float::sqrt(sum / redundancy as f64));
-        let sigma = sigma0.filter(|s| self.options.estimate_sigma && *s > 0.0).unwrap_or(1.0);
+        let sigma0 = unit_weight(sum, redundancy);
+        let sigma = report::sigma(sigma0, self.options.estimate_sigma);
         let q = SMatrix::<f64, N, N>::from_fn(|i, j| cofactor.get((i, j)).copied().unwrap_or(0.0));
         let (mut values, mut first) = (Vec::new(), Vec::with_capacity(self.points.len()));
         let mut object_numbers = 0;
-        self.rows(sensor, |point, settled, rows, robust| {
+        for (point, settled, rows, robust) in &all {
             let times = [q * rows[0], q * rows[1]];
             let explained = Matrix2::from_fn(|i, j| rows[i].dot(&times[j]));
             let before = values.len();
             first.push(before);
-            point.report(settled, &explained, robust, sigma, &mut values);
+            point.report(settled, &explained, *robust, sigma, &mut values);
             object_numbers += values.len() - before - 2;
-        })?;
+        }
         first.push(values.len());
         for (k, weight) in self.priors() {
             let variance = Matrix1::new(1.0 / weight);
@@ -373,20 +384,18 @@ impl<S: SensorModel + Adjustable + Clone, const N: usize> Problem for Fit<'_, S,
     type Step = SVector<f64, N>;
 
     fn cost(&self, state: &State<S, N>) -> f64 {
-        let mut sum = 0.0;
-        for point in self.points {
-            match point.settle(&state.sensor) {
-                Ok(settled) => sum += self.options.loss.cost(settled.squared()),
-                Err(_) => return f64::INFINITY,
-            }
-        }
+        let Ok(sum) = losses(self.points, &self.options.loss, &state.sensor) else {
+            return f64::INFINITY;
+        };
         let priors = self.priors().map(|(k, w)| w * state.offset[k] * state.offset[k]);
         0.5 * (sum + priors.sum::<f64>())
     }
 
     fn linearise(&self, state: &State<S, N>, normal: &mut NormalEquations<N>) -> f64 {
         normal.clear();
-        let filled = self.rows(&state.sensor, |_, s, rows, robust| add(normal, s, rows, robust));
+        let filled = self.rows(&state.sensor, |_, s, rows, robust| {
+            add(normal, &s, &rows, robust);
+        });
         if filled.is_err() {
             // The cost of this state was finite, so its points project; no step leaves a zero matrix.
             normal.clear();

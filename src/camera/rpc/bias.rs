@@ -9,6 +9,7 @@ use super::model::Rpc;
 use crate::error::Error;
 use crate::geometry::geodetic::Geodetic;
 use crate::numeric::float;
+use crate::numeric::least_squares::unit_weight;
 use crate::numeric::triangular::Triangular;
 
 /// A point whose place on the ground and in the picture is known.
@@ -163,7 +164,7 @@ impl Rpc {
             residuals.push(v);
         }
         let redundancy = 2 * (control.len() - unknowns);
-        let sigma0 = (redundancy > 0).then(|| float::sqrt(sum / redundancy as f64));
+        let sigma0 = unit_weight(sum, redundancy);
         let variance = sigma0.map_or(1.0, |s| s * s);
         let mut covariance = Matrix6::zeros();
         for (k, a) in [x, y].iter().enumerate() {

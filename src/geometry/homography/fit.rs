@@ -9,7 +9,7 @@ use super::{Homography, homogeneous, unit_power};
 use crate::error::{Error, ProjectionError};
 use crate::numeric::float;
 use crate::numeric::least_squares::{
-    Convergence, LeastSquaresOptions, NormalEquations, Problem, minimise,
+    Convergence, LeastSquaresOptions, NormalEquations, Problem, minimise, unit_weight,
 };
 use crate::numeric::robust_loss::RobustLoss;
 
@@ -269,14 +269,7 @@ fn fit(
         let map = Homography::from_four_points(&[*a, *b, *c, *d], &[*e, *f, *g, *i])?;
         let cost = problem.cost(&start);
         let gradient = problem.linearise(&start, &mut linear);
-        let convergence = Convergence {
-            converged: true,
-            iterations: 0,
-            initial_cost: cost,
-            final_cost: cost,
-            gradient,
-        };
-        (start, convergence, Some(map))
+        (start, Convergence::without_iteration(cost, gradient), Some(map))
     } else {
         if !problem.cost(&start).is_finite() {
             let beyond = problem.object.iter().find_map(|s| transfer(&start, *s).err());
@@ -303,7 +296,7 @@ fn fit(
         .collect();
     let sum: f64 =
         residuals.iter().enumerate().map(|(i, v)| problem.weight(i) * v.norm_squared()).sum();
-    let sigma0 = (used > 4).then(|| float::sqrt(sum / (2 * used - 8) as f64));
+    let sigma0 = unit_weight(sum, (2 * used).saturating_sub(8));
     let lost = Error::Degenerate { what: "homography fit", measure: 0.0, limit: condition };
     let reduced = linear.normal.covariance().ok_or(lost)?;
     let index = |k: usize| if k < linear.fixed { k } else { k - 1 };

@@ -7,7 +7,7 @@ use nalgebra::Point2;
 use super::Homography;
 use super::fit::{FitOptions, HomographyFit};
 use crate::error::Error;
-use crate::numeric::consensus::{ConsensusOptions, Estimator, search};
+use crate::numeric::consensus::{ConsensusOptions, Estimator, chosen, search};
 
 /// A homography that most points agree on.
 #[derive(Clone, Debug)]
@@ -92,10 +92,7 @@ struct Pairs<'a> {
 
 impl Pairs<'_> {
     fn select(&self, inliers: &[bool]) -> (Vec<Point2<f64>>, Vec<Point2<f64>>) {
-        let chosen = |points: &[Point2<f64>]| {
-            points.iter().zip(inliers).filter(|(_, i)| **i).map(|(p, _)| *p).collect()
-        };
-        (chosen(self.object), chosen(self.image))
+        (chosen(self.object, inliers), chosen(self.image, inliers))
     }
 }
 

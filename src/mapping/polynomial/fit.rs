@@ -6,7 +6,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::{EXPONENTS, Polynomial, Rectangle, powers};
 use crate::error::Error;
-use crate::numeric::float;
+use crate::numeric::least_squares::unit_weight;
 use crate::numeric::triangular::Triangular;
 
 /// A polynomial map fitted to control points, with what is left.
@@ -110,6 +110,6 @@ pub(super) fn fit<const N: usize, const M: usize, P>(
         return Err(Error::NotFinite { what: "residual of a polynomial fit" });
     }
     let redundancy = 2 * (n - N);
-    let sigma0 = (redundancy > 0).then(|| float::sqrt(sum / redundancy as f64));
+    let sigma0 = unit_weight(sum, redundancy);
     Ok(PolynomialFit { map: wrap(polynomial), residuals, sigma0, condition: 1.0 / ratio })
 }

@@ -85,3 +85,57 @@ pub fn cast(
     let t = dot(n, to_plane) / dot(n, ray);
     ([0, 1, 2].map(|i| origin[i] + t * ray[i]), t)
 }
+
+/// Every number of a JSON value, in its order.
+pub fn numbers(value: &serde_json::Value) -> Vec<f64> {
+    match value.as_array() {
+        Some(list) => list.iter().flat_map(numbers).collect(),
+        None => vec![value.as_f64().unwrap()],
+    }
+}
+
+/// SplitMix64 (Steele, Lea & Flood 2014), so that scenes are the same everywhere.
+pub struct Random(pub u64);
+
+impl Random {
+    /// In [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Of the normal distribution (Box & Muller 1958).
+    pub fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        radius * (core::f64::consts::TAU * self.unit()).cos()
+    }
+}
+
+/// Numbers in [0, 1) from a seed.
+pub fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = Random(seed);
+    move || random.unit()
+}
+
+/// Numbers in [−1, 1) from a seed.
+pub fn signed(seed: u64) -> impl FnMut() -> f64 {
+    let mut next = uniform(seed);
+    move || 2.0 * next() - 1.0
+}
+
+/// Points of three coordinates, one after the other.
+pub fn points3(value: &serde_json::Value) -> Vec<Point3<f64>> {
+    numbers(value).chunks(3).map(Point3::from_slice).collect()
+}
+
+/// A 3 × 3 matrix by its rows.
+pub fn matrix3(value: &serde_json::Value) -> Matrix3<f64> {
+    Matrix3::from_row_slice(&numbers(value))
+}
