@@ -14,7 +14,7 @@ use collinear::numeric::robust_loss::RobustLoss;
 use serde_json::{Value, json};
 
 use crate::block::Block;
-use crate::protocol::{Table, decimals_for, fixed};
+use crate::protocol::{Table, decimals_for, fixed, number, rows};
 use crate::resect::Estimated;
 use crate::residuals::Vector;
 
@@ -300,7 +300,6 @@ impl Outcome {
     /// # Errors
     /// None that is known: the numbers that are not finite become null.
     pub fn to_json(&self, block: &Block) -> Result<String> {
-        let finite = |v: f64| if v.is_finite() { json!(v) } else { Value::Null };
         let sums = self.of_photographs(block);
         let photographs: Vec<Value> = block
             .images
@@ -309,15 +308,13 @@ impl Outcome {
             .filter_map(|(i, (id, _))| {
                 let exterior = self.adjusted.exterior(*id)?;
                 let covariance = self.quality.as_ref().and_then(|q| q.image_covariance(*id));
-                let rows = covariance.map(|c| {
-                    c.row_iter().map(|r| r.iter().copied().collect()).collect::<Vec<Vec<f64>>>()
-                });
+                let covariance = covariance.as_ref().map(rows);
                 let rotation = exterior.camera_from_world();
                 Some(json!({
-                    "name": block.photographs[i], "points": sums[i].0, "rms": finite(sums[i].1),
+                    "name": block.photographs[i], "points": sums[i].0, "rms": number(sums[i].1),
                     "projection_center": exterior.projection_center().coords.as_slice(),
                     "camera_from_world": rotation.matrix().transpose().as_slice(),
-                    "covariance": rows,
+                    "covariance": covariance,
                 }))
             })
             .collect();
@@ -327,7 +324,7 @@ impl Outcome {
                     .parameters(block, i)
                     .into_iter()
                     .map(|(name, value, deviation, unit)| {
-                        json!({ "name": name, "value": value, "standard_deviation": finite(deviation), "unit": unit })
+                        json!({ "name": name, "value": value, "standard_deviation": number(deviation), "unit": unit })
                     })
                     .collect();
                 json!({ "name": block.cameras[i], "parameters": parameters })
@@ -341,8 +338,8 @@ impl Outcome {
                 let (photograph, point, _) = &block.observations[i];
                 json!({
                     "photograph": block.photographs[*photograph], "point": block.points[*point],
-                    "residual": r.map(|r| finite(r.residual)), "w": r.map(|r| finite(r.w)),
-                    "redundancy": r.map(|r| finite(r.redundancy)),
+                    "residual": r.map(|r| number(r.residual)), "w": r.map(|r| number(r.w)),
+                    "redundancy": r.map(|r| number(r.redundancy)),
                 })
             })
             .collect();
@@ -351,7 +348,7 @@ impl Outcome {
             "initial_cost": convergence.initial_cost, "final_cost": convergence.final_cost,
             "iterations": convergence.iterations, "converged": convergence.converged,
             "image_points": block.observations.len(), "left_out": self.adjusted.excluded.len(),
-            "rms": finite(self.rms(self.residuals.iter().flatten().count())),
+            "rms": number(self.rms(self.residuals.iter().flatten().count())),
             "observations": quality.map(|q| q.observations), "unknowns": quality.map(|q| q.unknowns),
             "redundancy": quality.map(|q| q.redundancy), "sigma0": quality.and_then(|q| q.sigma0),
             "cameras": cameras, "photographs": photographs, "suspects": suspects,

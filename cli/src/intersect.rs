@@ -13,7 +13,7 @@ use collinear_io::observations::ObservationRow;
 use collinear_io::points::quoted;
 use serde_json::{Value, json};
 
-use crate::protocol::{Table, decimals_for, fixed};
+use crate::protocol::{Table, decimals_for, fixed, number, rows};
 
 /// An oriented sensor with its name.
 #[derive(Debug)]
@@ -178,30 +178,27 @@ pub fn to_csv(points: &[PointResult]) -> String {
 /// # Errors
 /// None that is known: the numbers that are not finite become null.
 pub fn to_json(points: &[PointResult]) -> Result<String> {
-    let finite = |v: f64| if v.is_finite() { json!(v) } else { Value::Null };
     let list: Vec<Value> = points
         .iter()
         .map(|point| match &point.found {
             Ok(found) => {
                 let report = &found.report;
-                let rows: Vec<Vec<f64>> =
-                    report.covariance.row_iter().map(|r| r.iter().copied().collect()).collect();
-                let observations: Vec<Value> = point
+                                let observations: Vec<Value> = point
                     .photos
                     .iter()
                     .zip(report.values.chunks(2))
                     .map(|(photo, values)| {
                         json!({
                             "photo": photo,
-                            "residual": values.iter().map(|v| finite(v.residual)).collect::<Vec<_>>(),
-                            "redundancy": values.iter().map(|v| finite(v.redundancy)).collect::<Vec<_>>(),
-                            "w": values.iter().map(|v| finite(v.w)).collect::<Vec<_>>(),
-                            "detectable": values.iter().map(|v| finite(v.detectable)).collect::<Vec<_>>(),
+                            "residual": values.iter().map(|v| number(v.residual)).collect::<Vec<_>>(),
+                            "redundancy": values.iter().map(|v| number(v.redundancy)).collect::<Vec<_>>(),
+                            "w": values.iter().map(|v| number(v.w)).collect::<Vec<_>>(),
+                            "detectable": values.iter().map(|v| number(v.detectable)).collect::<Vec<_>>(),
                         })
                     })
                     .collect();
                 json!({
-                    "id": point.id, "point": found.point.coords.as_slice(), "covariance": rows,
+                    "id": point.id, "point": found.point.coords.as_slice(), "covariance": rows(&report.covariance),
                     "sigma0": report.sigma0, "redundancy": report.redundancy, "observations": observations,
                 })
             }

@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+use collinear::nalgebra::DMatrix;
+use serde_json::Value;
+
 /// A table with columns of equal width, texts to the left and numbers to the right.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
@@ -62,4 +65,14 @@ pub(crate) fn decimals_for(sigma: f64) -> usize {
     }
     let digits = 2.0 - sigma.log10().floor();
     digits.clamp(0.0, 9.0) as usize
+}
+
+/// A number for machines; null where it is not one, which JSON cannot hold.
+pub(crate) fn number(value: f64) -> Value {
+    if value.is_finite() { Value::from(value) } else { Value::Null }
+}
+
+/// The rows of a matrix.
+pub(crate) fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }

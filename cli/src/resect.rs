@@ -15,7 +15,7 @@ use collinear_io::control::ControlRow;
 use collinear_io::convert::Camera;
 use serde_json::{Value, json};
 
-use crate::protocol::{Table, decimals_for, fixed};
+use crate::protocol::{Table, decimals_for, fixed, number, rows};
 use crate::residuals::Vector;
 
 /// What is estimated beside the pose.
@@ -424,11 +424,10 @@ impl Outcome {
     /// # Errors
     /// Those of writing the camera.
     pub fn to_json(&self) -> Result<String> {
-        let finite = |v: f64| if v.is_finite() { json!(v) } else { Value::Null };
         let tests = |r: &ObservationReport| {
             json!({
-                "residual": finite(r.residual), "redundancy": finite(r.redundancy), "w": finite(r.w),
-                "detectable": finite(r.detectable), "influence": finite(r.influence),
+                "residual": number(r.residual), "redundancy": number(r.redundancy), "w": number(r.w),
+                "detectable": number(r.detectable), "influence": number(r.influence),
             })
         };
         let points: Vec<Value> = self
@@ -437,7 +436,7 @@ impl Outcome {
             .map(|p| {
                 json!({
                     "id": p.id, "used": p.used, "image": p.image,
-                    "residual": p.residual.map(finite),
+                    "residual": p.residual.map(number),
                     "tests": p.image_report.as_ref().map(|r| r.each_ref().map(tests)),
                     "place": p.world_report.as_ref().map(|r| r.each_ref().map(tests)),
                 })
@@ -447,13 +446,11 @@ impl Outcome {
             .map(|i| {
                 json!({
                     "name": self.unknowns[i], "value": self.values[i],
-                    "standard_deviation": finite(self.deviations[i]), "unit": self.units[i],
+                    "standard_deviation": number(self.deviations[i]), "unit": self.units[i],
                 })
             })
             .collect();
         let report = &self.report;
-        let rows: Vec<Vec<f64>> =
-            report.covariance.row_iter().map(|r| r.iter().copied().collect()).collect();
         let value = json!({
             "observations": report.observations,
             "unknown_count": report.unknowns,
@@ -462,7 +459,7 @@ impl Outcome {
             "condition": report.condition,
             "iterations": report.convergence.iterations,
             "unknowns": unknowns,
-            "covariance": rows,
+            "covariance": rows(&report.covariance),
             "points": points,
             "other": self.other.map(|(center, cost)| json!({
                 "projection_center": center, "vPv": 2.0 * cost,

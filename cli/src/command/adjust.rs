@@ -1,17 +1,16 @@
 //! `collinear adjust`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
 use clap::Args;
 use collinear::numeric::robust_loss::RobustLoss;
-use collinear_cli::adjust::{Options, Outcome, run};
+use collinear_cli::adjust::{Options, run};
 use collinear_cli::block::{Block, BlockFile};
 use collinear_cli::resect::Estimated;
-use collinear_cli::residuals::{Sheet, fitting_exaggeration, to_svg};
-use collinear_io::write_atomically;
 
 use super::resect::estimated;
+use super::residuals::Residuals;
 use super::{Files, UsageError, in_file, positive, print, with_bar};
 
 /// Adjust a block of photographs: cameras, poses and points from all image points at once
@@ -58,17 +57,12 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
 
-    /// A picture of the residuals to write (SVG): those of the first camera's photographs, or of --photo
-    #[arg(long, value_name = "RESIDUALS.svg")]
-    svg: Option<PathBuf>,
+    #[command(flatten)]
+    residuals: Residuals,
 
-    /// With --svg: the photograph whose residuals are drawn
+    /// With --svg: the photograph whose residuals are drawn; without it those of the first camera's photographs
     #[arg(long, value_name = "NAME", requires = "svg")]
     photo: Option<String>,
-
-    /// How many times as long the residuals are drawn; without it a round number that suits them
-    #[arg(long, value_name = "TIMES", requires = "svg", value_parser = positive)]
-    exaggeration: Option<f64>,
 
     /// The protocol as JSON
     #[arg(long)]
@@ -117,9 +111,7 @@ impl Arguments {
         if let Some(path) = &self.output {
             files.output("the adjusted block (-o)", path)?;
         }
-        if let Some(path) = &self.svg {
-            files.output("the picture of the residuals (--svg)", path)?;
-        }
+        self.residuals.name(&mut files)?;
         files.input_folder("the block", &self.block)?;
         if let Some(path) = &self.tracks {
             files.input("the tracks", path)?;
@@ -138,9 +130,9 @@ impl Arguments {
         };
         let outcome = with_bar("adjusting", |progress| run(&block, &options, progress))
             .map_err(|e| in_file(&self.block, e))?;
-        if let Some(path) = &self.svg {
-            self.draw(&outcome, &block, photo, path)?;
-        }
+        let camera = photo.map_or(0, |p| block.images[p].1.number());
+        let size = block.sizes.get(camera).copied().flatten();
+        self.residuals.draw(size, || outcome.vectors(&block, photo, camera))?;
         if let Some(path) = &self.output {
             file.write(&block, &outcome.adjusted, path)?;
         }
@@ -154,22 +146,6 @@ impl Arguments {
         }
         let list = text.split(',').map(estimated).collect::<Result<_, _>>();
         list.map(Some).map_err(|e| anyhow!(UsageError(format!("--estimate: {e}"))))
-    }
-
-    fn draw(
-        &self,
-        outcome: &Outcome,
-        block: &Block,
-        photo: Option<usize>,
-        path: &Path,
-    ) -> Result<()> {
-        let camera = photo.map_or(0, |p| block.images[p].1.number());
-        let vectors = outcome.vectors(block, photo, camera);
-        let size = block.sizes.get(camera).copied().flatten();
-        let sheet = size.map_or_else(|| Sheet::around(&vectors), Sheet::of_picture);
-        let times = self.exaggeration.unwrap_or_else(|| fitting_exaggeration(&vectors, &sheet));
-        let svg = to_svg(&vectors, &sheet, times);
-        Ok(write_atomically(path, |w| w.write_all(svg.as_bytes()))?)
     }
 }
 

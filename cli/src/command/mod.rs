@@ -10,6 +10,7 @@ pub(crate) mod rectify;
 pub(crate) mod render;
 pub(crate) mod reproject;
 pub(crate) mod resect;
+mod residuals;
 
 use std::fmt::{self, Display};
 use std::io::{IsTerminal, Write};

@@ -1,16 +1,15 @@
 //! `collinear resect`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use collinear_cli::resect::{Estimated, Options, Outcome, run};
-use collinear_cli::residuals::{Sheet, fitting_exaggeration, to_svg};
+use collinear_cli::resect::{Estimated, Options, run};
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 use collinear_io::control::read_control;
-use collinear_io::write_atomically;
 
+use super::residuals::Residuals;
 use super::{Files, in_file, positive, print};
 
 /// Find where a photograph was taken, from points whose places are known
@@ -49,13 +48,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NUMBER", default_value = "0", requires = "robust")]
     seed: u64,
 
-    /// A picture of the residuals to write (SVG)
-    #[arg(long, value_name = "RESIDUALS.svg")]
-    svg: Option<PathBuf>,
-
-    /// How many times as long the residuals are drawn; without it a round number that suits them
-    #[arg(long, value_name = "TIMES", requires = "svg", value_parser = positive)]
-    exaggeration: Option<f64>,
+    #[command(flatten)]
+    residuals: Residuals,
 
     /// The protocol as JSON
     #[arg(long)]
@@ -104,9 +98,7 @@ impl Arguments {
         if let Some(path) = &self.output {
             files.output("the camera to write (-o)", path)?;
         }
-        if let Some(path) = &self.svg {
-            files.output("the picture of the residuals (--svg)", path)?;
-        }
+        self.residuals.name(&mut files)?;
         files.input("the control points", &self.control)?;
         files.input("the camera", &self.camera)?;
         let rows = read_control(&self.control)?;
@@ -122,18 +114,9 @@ impl Arguments {
         if let Some(path) = &self.output {
             outcome.camera.write(path)?;
         }
-        if let Some(path) = &self.svg {
-            self.draw(&outcome, path)?;
-        }
+        let size = [outcome.camera.width, outcome.camera.height];
+        self.residuals.draw(Some(size), || outcome.vectors())?;
         let text = if self.json { outcome.to_json()? + "\n" } else { outcome.to_text() };
         print(&text)
-    }
-
-    fn draw(&self, outcome: &Outcome, path: &Path) -> Result<()> {
-        let vectors = outcome.vectors();
-        let sheet = Sheet::of_picture([outcome.camera.width, outcome.camera.height]);
-        let times = self.exaggeration.unwrap_or_else(|| fitting_exaggeration(&vectors, &sheet));
-        let svg = to_svg(&vectors, &sheet, times);
-        Ok(write_atomically(path, |w| w.write_all(svg.as_bytes()))?)
     }
 }
