@@ -82,7 +82,12 @@ fn update(panel: &[f64], rows: &mut [f64], first: usize, n: usize) {
 
 /// Solves UᵀU x = b in place.
 pub(super) fn solve(u: &[f64], n: usize, b: &mut [f64]) {
-    for i in 0..n {
+    solve_from(u, n, b, 0);
+}
+
+/// The same for a b that is zero before its `first` element.
+fn solve_from(u: &[f64], n: usize, b: &mut [f64], first: usize) {
+    for i in first..n {
         let row = &u[i * n..][..n];
         let x = b[i] / row[i];
         b[i] = x;
@@ -104,19 +109,7 @@ pub(super) fn inverse(u: &[f64], n: usize) -> alloc::vec::Vec<f64> {
     // The matrix is symmetric: what is a column of it is a row.
     parallel::for_each(&mut columns, |i, column| {
         column[i] = 1.0;
-        for r in i..n {
-            let row = &u[r * n..][..n];
-            let x = column[r] / row[r];
-            column[r] = x;
-            for (b, u) in column[r + 1..].iter_mut().zip(&row[r + 1..]) {
-                *b -= x * u;
-            }
-        }
-        for r in (0..n).rev() {
-            let row = &u[r * n..][..n];
-            let sum: f64 = row[r + 1..].iter().zip(&column[r + 1..]).map(|(u, x)| u * x).sum();
-            column[r] = (column[r] - sum) / row[r];
-        }
+        solve_from(u, n, column, i);
     });
     inverse
 }
