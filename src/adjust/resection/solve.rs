@@ -266,7 +266,7 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
     fn rows(
         &self,
         sensor: &S,
-        mut each: impl FnMut(&'a Observed, Settled, [SVector<f64, N>; 2], f64),
+        mut each: impl FnMut(&Observed, &Settled, &[SVector<f64, N>; 2], f64),
     ) -> Result<(), ProjectionError> {
         let held_or = |group: &usize| {
             let len = if self.columns.uses(*group) { 2 * self.columns.lengths[*group] } else { 0 };
@@ -298,7 +298,7 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
                 }),
             };
             let robust = self.options.loss.weight(settled.squared());
-            each(point, settled, rows, robust);
+            each(point, &settled, &rows, robust);
         }
         Ok(())
     }
@@ -307,11 +307,9 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
         let Minimised { sensor, convergence, offset } = minimum;
         let unknowns = self.columns.len();
         let (mut normal, mut sum) = (NormalEquations::<N>::default(), 0.0);
-        let mut all = Vec::with_capacity(self.points.len());
-        self.rows(sensor, |point, settled, rows, robust| {
-            add(&mut normal, &settled, &rows, robust);
+        self.rows(sensor, |_, settled, rows, robust| {
+            add(&mut normal, settled, rows, robust);
             sum += robust * settled.squared();
-            all.push((point, settled, rows, robust));
         })?;
         let mut matrix = normal.matrix().view((0, 0), (unknowns, unknowns)).into_owned();
         let mut priors = 0;
@@ -327,14 +325,15 @@ impl<'a, S: SensorModel + Adjustable + Clone, const N: usize> Fit<'a, S, N> {
         let q = SMatrix::<f64, N, N>::from_fn(|i, j| cofactor.get((i, j)).copied().unwrap_or(0.0));
         let (mut values, mut first) = (Vec::new(), Vec::with_capacity(self.points.len()));
         let mut object_numbers = 0;
-        for (point, settled, rows, robust) in &all {
+        // Rows made again cost less than rows kept: room for those of a thousand points is new pages of memory each time.
+        self.rows(sensor, |point, settled, rows, robust| {
             let times = [q * rows[0], q * rows[1]];
             let explained = Matrix2::from_fn(|i, j| rows[i].dot(&times[j]));
             let before = values.len();
             first.push(before);
-            point.report(settled, &explained, *robust, sigma, &mut values);
+            point.report(settled, &explained, robust, sigma, &mut values);
             object_numbers += values.len() - before - 2;
-        }
+        })?;
         first.push(values.len());
         for (k, weight) in self.priors() {
             let variance = Matrix1::new(1.0 / weight);
@@ -393,9 +392,7 @@ impl<S: SensorModel + Adjustable + Clone, const N: usize> Problem for Fit<'_, S,
 
     fn linearise(&self, state: &State<S, N>, normal: &mut NormalEquations<N>) -> f64 {
         normal.clear();
-        let filled = self.rows(&state.sensor, |_, s, rows, robust| {
-            add(normal, &s, &rows, robust);
-        });
+        let filled = self.rows(&state.sensor, |_, s, rows, robust| add(normal, s, rows, robust));
         if filled.is_err() {
             // The cost of this state was finite, so its points project; no step leaves a zero matrix.
             normal.clear();
