@@ -104,6 +104,8 @@ impl Report {
 pub struct ObservationReport {
     /// v: observed minus computed, in the observation's unit.
     pub residual: f64,
+    /// vᵢ (P v)ᵢ, without dimension: its part of vᵀPv.
+    pub weighted_square: f64,
     /// rᵢ, in [0, 1] for uncorrelated observations.
     pub redundancy: f64,
     /// w; NaN where rᵢ = 0: an observation that nothing controls cannot be tested.
@@ -135,9 +137,11 @@ pub(super) fn observed<const N: usize>(
     core::array::from_fn(|i| {
         let redundancy = reduced[(i, i)];
         let weighted: f64 = (0..N).map(|j| weight[(i, j)] * residual[j]).sum();
+        let weighted_square = residual[i] * weighted;
         if !(redundancy.abs() > UNCONTROLLED && tested[(i, i)] > 0.0) {
             return ObservationReport {
                 residual: residual[i],
+                weighted_square,
                 redundancy,
                 w: f64::NAN,
                 detectable: f64::INFINITY,
@@ -147,6 +151,7 @@ pub(super) fn observed<const N: usize>(
         let root = float::sqrt(tested[(i, i)]);
         ObservationReport {
             residual: residual[i],
+            weighted_square,
             redundancy,
             w: weighted / (sigma * root),
             detectable: sigma * NONCENTRALITY / root,

@@ -110,4 +110,33 @@ impl RobustLoss {
             Self::Truncated { scale } => f64::from(squared < scale * scale),
         }
     }
+    /// A loss of the same scale that grows everywhere, to begin with where this one is flat beyond its scale.
+    #[cfg(feature = "std")]
+    pub(crate) fn monotone(&self) -> Option<Self> {
+        match *self {
+            Self::Tukey { scale } | Self::Truncated { scale } => Some(Self::Huber { scale }),
+            Self::Squared | Self::Huber { .. } | Self::Cauchy { .. } => None,
+        }
+    }
+
+    /// 2 s ρ″(s)/ρ′(s) at this squared residual: how far the loss bends from its tangent, 0 for the squared loss, −1 where it
+    /// grows linearly with the residual. 0 where the weight is 0.
+    #[cfg(feature = "std")]
+    pub(crate) fn curvature(&self, squared: f64) -> f64 {
+        match *self {
+            Self::Squared | Self::Truncated { .. } => 0.0,
+            Self::Huber { scale } => {
+                if squared <= scale * scale {
+                    0.0
+                } else {
+                    -1.0
+                }
+            }
+            Self::Cauchy { scale } => -2.0 * squared / (scale * scale + squared),
+            Self::Tukey { scale } => {
+                let left = scale * scale - squared;
+                if left > 0.0 { -4.0 * squared / left } else { 0.0 }
+            }
+        }
+    }
 }

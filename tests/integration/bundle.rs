@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use crate::support::numbers;
 
 use collinear::adjust::bundle::{
-    Adjusted, Bundle, BundleOptions, BundleReportOptions, Datum, Exclusion, ImageId, OutsideRule,
-    PointId, Solver,
+    Adjusted, Bundle, BundleOptions, BundleReport, BundleReportOptions, Datum, Exclusion, ImageId,
+    Observation, OutsideRule, PointId, Solver,
 };
 use collinear::adjust::{Precision, Unknown};
 use collinear::camera::{CentralCamera, EvenRadial, Gnomonic};
@@ -117,6 +117,13 @@ fn mapped_block(
         let image = images[p[0] as usize];
         bundle.observe_position(image, given, lever, Precision::Sigma(p[7])).unwrap();
     }
+    for a in rows(&case["attitudes"]) {
+        let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_row_slice(&a[1..10]));
+        let covariance = Matrix3::from_row_slice(&a[10..19]);
+        let image = images[a[0] as usize];
+        let precision = Precision::Covariance(covariance);
+        bundle.observe_attitude(image, rotation * turn.inverse(), precision).unwrap();
+    }
     for d in rows(&case["distances"]) {
         let ends = [points[d[0] as usize], points[d[1] as usize]];
         bundle.observe_distance(ends, d[2], d[3]).unwrap();
@@ -155,6 +162,9 @@ fn agrees(found: &DMatrix<f64>, expected: &[f64], tolerance: f64, what: &str) {
 fn blocks_are_adjusted_and_judged_as_one_matrix_of_all_unknowns_would() {
     for case in cases() {
         let name = case["name"].as_str().unwrap();
+        if !case["groups"].is_null() {
+            continue;
+        }
         let (bundle, images, points) = block(&case, false);
         let mut options = BundleOptions::default();
         // To the floor of rounding: the weakest unknowns are as good as the others then.
@@ -164,7 +174,14 @@ fn blocks_are_adjusted_and_judged_as_one_matrix_of_all_unknowns_would() {
         let cost = adjusted.convergence.final_cost;
         assert!((cost / expected - 1.0).abs() < 1e-11, "{name}: {cost} {expected}");
         let free = name.starts_with("free");
-        let datum = if free { Datum::Free } else { Datum::Given };
+        let placing: Option<Vec<PointId>> = case["datum"]
+            .as_array()
+            .map(|list| list.iter().map(|i| points[i.as_u64().unwrap() as usize]).collect());
+        let datum = match &placing {
+            Some(placing) => Datum::Points(placing),
+            None if free => Datum::Free,
+            None => Datum::Given,
+        };
         let how = BundleReportOptions { datum, ..BundleReportOptions::default() };
         let report = bundle.report(&adjusted, &options, &how).unwrap();
         let whole = |key: &str| case[key].as_u64().unwrap() as usize;
@@ -177,9 +194,13 @@ fn blocks_are_adjusted_and_judged_as_one_matrix_of_all_unknowns_would() {
         // Redundancy numbers and w: of image points, control points, positions, distances, parameters.
         let image = report.image_points.iter().flatten();
         let control = report.control_points.iter().flat_map(|(_, v)| v);
-        let positions = report.positions.iter().flat_map(|(_, v)| v);
+        let positions = report.positions.iter().chain(&report.attitudes).flat_map(|(_, v)| v);
         let others = report.distances.iter().chain(report.parameters.iter().map(|(_, _, v)| v));
         let all: Vec<_> = image.chain(control).chain(positions).chain(others).collect();
+        let in_order = report.numbers().zip(&all).all(|((_, a), b)| std::ptr::eq(a, *b));
+        assert!(in_order && report.numbers().count() == all.len(), "{name}");
+        let squares: f64 = all.iter().map(|v| v.weighted_square).sum();
+        assert!((squares / (2.0 * expected) - 1.0).abs() < 1e-11, "{name}: {squares}");
         let (redundancy, w) = (numbers(&case["redundancy_numbers"]), numbers(&case["w"]));
         assert_eq!(all.len(), w.len());
         for (i, value) in all.iter().enumerate() {
@@ -499,6 +520,7 @@ fn bad_input_is_refused() {
     unknown(bundle.observe(image, lost, at, Precision::default()));
     unknown(bundle.hold(far));
     unknown(bundle.observe_position(far, Point3::origin(), Vector3::zeros(), Precision::default()));
+    unknown(bundle.observe_attitude(far, Rotation3::identity(), Precision::default()));
     unknown(bundle.observe_distance([point, lost], 1.0, 1.0));
     // NaN, points at infinity, infinite weights.
     for bad in [f64::NAN, f64::INFINITY] {
@@ -510,6 +532,8 @@ fn bad_input_is_refused() {
         not_finite(bundle.observe(image, point, Point2::new(bad, 0.0), Precision::default()).err());
         let exterior = ExteriorOrientation::new(Point3::new(bad, 0.0, 0.0), Rotation3::identity());
         not_finite(bundle.add_image(exterior, id).err());
+        let turn = Rotation3::from_matrix_unchecked(Matrix3::from_diagonal_element(bad));
+        not_finite(bundle.observe_attitude(image, turn, Precision::default()).err());
         let given = Point3::new(0.0, bad, 0.0);
         not_finite(
             bundle.observe_position(image, given, Vector3::zeros(), Precision::default()).err(),
@@ -542,7 +566,7 @@ fn bad_input_is_refused() {
 
 #[test]
 fn a_block_in_parts_is_refused_unless_each_is_placed() {
-    let two = |placed: usize| {
+    let two = |placed: usize, control: [i32; 3]| {
         let camera = lens(1000.0, 0.0, 0.0, 0.0, 0.0);
         let mut bundle = Bundle::new();
         let id = bundle.add_camera(camera, &[]).unwrap();
@@ -556,7 +580,7 @@ fn a_block_in_parts_is_refused_unless_each_is_placed() {
                 .collect();
             for j in 0..8 {
                 let at = Point3::new(f64::from(j % 3), f64::from(j / 3), f64::from(j % 4));
-                let point = if part < placed && j < 3 {
+                let point = if part < placed && control.contains(&j) {
                     bundle.add_control(at, Precision::Sigma(0.01)).unwrap()
                 } else {
                     bundle.add_point(at).unwrap()
@@ -572,12 +596,14 @@ fn a_block_in_parts_is_refused_unless_each_is_placed() {
         bundle.adjust(&BundleOptions::default())
     };
     for placed in [0, 1] {
-        match two(placed) {
+        match two(placed, [0, 1, 3]) {
             Err(Error::OutOfRange { value, .. }) => assert_eq!(value, 2.0),
             other => panic!("{other:?}"),
         }
     }
-    assert!(two(2).unwrap().convergence.converged);
+    assert!(two(2, [0, 1, 3]).unwrap().convergence.converged);
+    // Three points on a line leave a turn about it open.
+    assert!(matches!(two(2, [0, 1, 2]), Err(Error::OutOfRange { value: 2.0, .. })));
 }
 
 /// The same image point twice with σ√2 each says what it says once with σ.
@@ -611,6 +637,167 @@ fn a_repeated_observation_counts_twice() {
     for point in once.point_ids() {
         let (p, q) = (a.point_covariance(point).unwrap(), b.point_covariance(point).unwrap());
         assert!((p - q).norm() <= 1e-6 * p.norm());
+    }
+}
+
+/// `tests/data/oracles/bundle.py`: Helmert's components by scoring of the restricted likelihood, all unknowns in one matrix.
+#[test]
+fn variance_components_are_those_of_the_restricted_likelihood() {
+    let all = cases();
+    let case = all.iter().find(|c| !c["groups"].is_null()).unwrap();
+    let (bundle, images, _) = block(case, false);
+    let observations = rows(&case["observations"]);
+    let group = |of: Observation| match of {
+        Observation::ImagePoint(i) => {
+            if observations[i][0] < 3.0 {
+                0
+            } else {
+                5
+            }
+        }
+        Observation::ControlPoint(_) => 1,
+        Observation::Position(_) => 2,
+        Observation::Attitude(_) => 3,
+        _ => 4,
+    };
+    let (options, how) = (BundleOptions::default(), BundleReportOptions::default());
+    let estimate = bundle.estimate_variances(&options, &how, group).unwrap();
+    let expected = numbers(&case["factors"]);
+    assert_eq!(estimate.factors.len(), 5);
+    for (group, factor) in &estimate.factors {
+        assert!(
+            (factor / expected[*group] - 1.0).abs() < 1e-5,
+            "{group}: {factor} {}",
+            expected[*group]
+        );
+    }
+    assert!((estimate.report.sigma0.unwrap() - 1.0).abs() < 1e-6);
+    assert!(
+        (estimate.adjusted.convergence.final_cost / case["cost"].as_f64().unwrap() - 1.0).abs()
+            < 1e-5
+    );
+    // The block with these precisions says so itself; a photograph's deviations are the oracle's.
+    let found = estimate.report.image_covariance(images[1]).unwrap();
+    agrees(
+        &found.view((0, 0), (6, 6)).into_owned(),
+        &rows(&case["image_covariances"])[1],
+        1e-3,
+        "variances",
+    );
+    let components = estimate.report.variance_components(group);
+    let redundancy: f64 = components.iter().map(|c| c.redundancy).sum();
+    assert!((redundancy / estimate.report.redundancy as f64 - 1.0).abs() < 1e-9);
+    for c in components {
+        assert!((c.sigma.unwrap() - 1.0).abs() < 1e-6 && c.uncertainty() > 0.0, "{c:?}");
+    }
+    // One group: σ₀ itself.
+    let adjusted = bundle.adjust(&options).unwrap();
+    let report = bundle.report(&adjusted, &options, &how).unwrap();
+    let [whole] = report.variance_components(|_| usize::MAX)[..] else { panic!() };
+    assert!((whole.sigma.unwrap() / report.sigma0.unwrap() - 1.0).abs() < 1e-9);
+    // A distance that nothing else controls has no component.
+    let (free, ..) = block(&all[1], false);
+    let alone = |of| usize::from(matches!(of, Observation::Distance(_)));
+    let how = BundleReportOptions { datum: Datum::Free, ..how };
+    let error = free.estimate_variances(&options, &how, alone).unwrap_err();
+    assert!(matches!(error, Error::Degenerate { .. }), "{error}");
+}
+
+/// Three points place a block as all do: its redundancy numbers stay.
+#[test]
+fn datum_points_that_cannot_place_a_block_are_refused() {
+    let case = &cases()[2];
+    let (bundle, _, points) = block(case, false);
+    let options = BundleOptions::default();
+    let adjusted = converged(&bundle, &options);
+    let report = |datum| {
+        bundle.report(&adjusted, &options, &BundleReportOptions { datum, ..Default::default() })
+    };
+    let free = report(Datum::Free).unwrap();
+    let by_three = report(Datum::Points(&points[..3])).unwrap();
+    for (a, b) in free.numbers().zip(by_three.numbers()) {
+        assert!(a.0 == b.0 && (a.1.redundancy - b.1.redundancy).abs() < 1e-12);
+    }
+    // The smallest trace is that of all points.
+    let trace = |r: &BundleReport| -> f64 {
+        points.iter().map(|p| r.point_covariance(*p).unwrap().trace()).sum()
+    };
+    assert!(trace(&by_three) > 1.1 * trace(&free));
+    let all = report(Datum::Points(&points)).unwrap();
+    assert!((trace(&all) / trace(&free) - 1.0).abs() < 1e-9);
+    let twice = [points[0], points[1], points[0]];
+    assert!(matches!(report(Datum::Points(&twice)), Err(Error::TooFewPoints { got: 2, .. })));
+    assert!(matches!(report(Datum::Points(&[])), Err(Error::TooFewPoints { got: 0, .. })));
+    // On a line.
+    let (mut other, images, _) = block(case, false);
+    let line: Vec<PointId> = (0..4)
+        .map(|i| {
+            let at = Point3::new(f64::from(i), 0.5 * f64::from(i), 0.1);
+            let id = other.add_point(at).unwrap();
+            for image in &images {
+                let pose = *adjusted.exterior(*image).unwrap();
+                let image_point = adjusted.cameras()[0]
+                    .project_direction(&pose.pose().apply(&at).coords)
+                    .unwrap();
+                other.observe(*image, id, image_point, Precision::Sigma(0.5)).unwrap();
+            }
+            id
+        })
+        .collect();
+    let adjusted = converged(&other, &options);
+    let how = BundleReportOptions { datum: Datum::Points(&line), ..Default::default() };
+    let error = other.report(&adjusted, &options, &how).unwrap_err();
+    assert!(matches!(error, Error::Degenerate { .. }), "{error}");
+    let mut larger = other.clone();
+    let beyond: Vec<_> = (0..9).map(|_| larger.add_point(Point3::origin()).unwrap()).collect();
+    let how = BundleReportOptions { datum: Datum::Points(&beyond), ..Default::default() };
+    let error = other.report(&adjusted, &options, &how).unwrap_err();
+    assert!(matches!(error, Error::Unknown { .. }), "{error}");
+}
+
+#[test]
+fn check_points_tell_how_far_the_block_is_off() {
+    let case = &cases()[0];
+    let (mut bundle, images, points) = block(case, false);
+    let lonely = bundle.add_point(Point3::new(0.0, 0.0, 0.5)).unwrap();
+    // One ray measured twice is one ray.
+    for _ in 0..2 {
+        bundle.observe(images[0], lonely, Point2::new(3.0, 4.0), Precision::default()).unwrap();
+    }
+    let adjusted = bundle.adjust(&BundleOptions::default()).unwrap();
+    assert_eq!(adjusted.undetermined, [lonely]);
+    assert_eq!(adjusted.excluded.len(), 2);
+    let at = |i: usize| *adjusted.point(points[i]).unwrap();
+    let known = [
+        (points[8], at(8) - Vector3::new(0.1, 0.0, 0.0)),
+        (lonely, Point3::origin()),
+        (points[9], at(9) - Vector3::new(0.3, 0.0, -0.4)),
+    ];
+    let check = adjusted.check(&known).unwrap();
+    assert_eq!(check.undetermined, [lonely]);
+    assert!((check.mean - Vector3::new(0.2, 0.0, -0.2)).norm() < 1e-12);
+    // √((0.01 + 0.09)/2), 0, √(0.16/2).
+    let rms = Vector3::new(0.05_f64.sqrt(), 0.0, 0.08_f64.sqrt());
+    assert!((check.rms - rms).norm() < 1e-12 && (check.largest - 0.5).abs() < 1e-12);
+    assert!(matches!(adjusted.check(&[]), Err(Error::TooFewPoints { .. })));
+    let bad = [(points[0], Point3::new(f64::NAN, 0.0, 0.0))];
+    assert!(matches!(adjusted.check(&bad), Err(Error::NotFinite { .. })));
+}
+
+/// With the loss's own curvature in the steps, Newton's convergence takes the place of a linear one.
+#[test]
+fn robust_losses_converge_in_few_steps() {
+    for loss in [
+        RobustLoss::Huber { scale: 1.0 },
+        RobustLoss::Cauchy { scale: 1.0 },
+        RobustLoss::Tukey { scale: 4.685 },
+    ] {
+        for case in cases() {
+            let (bundle, ..) = block(&case, false);
+            let adjusted = bundle.adjust(&BundleOptions { loss, ..Default::default() }).unwrap();
+            let end = adjusted.convergence;
+            assert!(end.converged && end.iterations < 60, "{loss:?} {}: {end:?}", case["name"]);
+        }
     }
 }
 

@@ -197,10 +197,12 @@ fn check<C: CentralModel + Adjustable + Clone>(
     assert_eq!(report.redundancy, redundancy, "{}", scene.name);
     assert_eq!(report.observations - report.unknowns, redundancy, "{}", scene.name);
     worst.see("sum of r", report.redundancy_sum() - redundancy as f64, 1e-9);
+    let squares: f64 = report.values.iter().map(|v| v.weighted_square).sum();
+    worst.see("sum of squares", squares - report.weighted_sum, 1e-9 * report.weighted_sum + 1e-12);
 
     let values = lists(&best["values"]);
     for (i, (value, v)) in report.values.iter().zip(&values).enumerate() {
-        let ObservationReport { residual, redundancy, w, detectable, influence } = *value;
+        let ObservationReport { residual, redundancy, w, detectable, influence, .. } = *value;
         let v: [f64; 5] = v.as_slice().try_into().unwrap();
         // A residual that the others hardly control is known as its redundancy number is.
         let relative = relative * (1.0 + 1.0 / v[1]);

@@ -20,14 +20,15 @@ use alloc::vec::Vec;
 use nalgebra::{DMatrix, Point3, SMatrix, Vector3};
 
 use super::layout::{Layout, Role};
-use super::problem::{Bundle, Kind};
+use super::problem::{Bundle, Kind, PointId};
 use super::state::State;
+use crate::camera::ExteriorOrientation;
 use crate::error::Error;
 
 /// What places the block, for its covariances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Datum {
+pub enum Datum<'a> {
     /// What was observed or held: control points, positions, held photographs.
     #[default]
     Given,
@@ -35,6 +36,10 @@ pub enum Datum {
     /// describe the block's shape alone.
     #[doc(alias("free network", "inner constraints", "gauge"))]
     Free,
+    /// Inner constraints over these object points, three or more that do not lie on a line: the block is placed by them, and
+    /// the covariances of the others are relative to them. Of a block that nothing places, as [`Free`](Self::Free).
+    #[doc(alias("minimal constraints", "partial trace minimisation"))]
+    Points(&'a [PointId]),
 }
 
 /// The directions of G, at most seven.
@@ -42,32 +47,73 @@ pub(super) struct Similarity {
     middle: Point3<f64>,
     scale: f64,
     pub(super) count: usize,
+    /// The points that place the block, sorted; all where there are none.
+    placing: Vec<u32>,
 }
 
 /// Up to seven columns of three rows.
 pub(super) type ThreeRows = SMatrix<f64, 3, 7>;
 
 impl Similarity {
-    pub(super) fn new<C>(
+    /// About the middle of some places, in units of their spread.
+    pub(super) fn about(places: impl Iterator<Item = Point3<f64>> + Clone) -> Self {
+        let n = places.clone().count().max(1) as f64;
+        let middle: Point3<f64> =
+            places.clone().fold(Vector3::zeros(), |m, p| m + p.coords / n).into();
+        let squares = places.map(|p| (p - middle).norm_squared() / n).sum::<f64>();
+        let spread = squares.sqrt();
+        let scale = if spread > 0.0 && spread.is_finite() { spread } else { 1.0 };
+        Self { middle, scale, count: 7, placing: Vec::new() }
+    }
+
+    /// That of a datum; `None` where the block is placed by what was given.
+    pub(super) fn of_datum<C>(
+        datum: Datum<'_>,
         bundle: &Bundle<C>,
         layout: &Layout,
         state: &State<C>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Option<Self>, Error> {
+        let mut placing: Vec<u32> = match datum {
+            Datum::Given => return Ok(None),
+            Datum::Free => Vec::new(),
+            Datum::Points(points) => points.iter().map(|p| p.0).collect(),
+        };
         let fixed = bundle.points.iter().any(|p| p.kind != Kind::Pass)
-            || bundle.images.iter().any(|i| i.held || i.position.is_some());
+            || bundle.images.iter().any(|i| i.held || i.observed_numbers() > 0);
         if fixed {
             return Err(Error::OutOfRange {
                 what: "number of given places in a block of free datum",
                 value: 1.0,
-                expected: "0: no control point, position or held photograph",
+                expected: "0: no control point, position, attitude or held photograph",
             });
         }
-        let points = || (0..state.points.len()).filter(|i| layout.roles[*i] != Role::Constant);
-        let n = points().count().max(1) as f64;
-        let middle = points().fold(Vector3::zeros(), |m, i| m + state.points[i].coords / n);
+        placing.sort_unstable();
+        placing.dedup();
+        if placing.last().is_some_and(|p| *p as usize >= bundle.points.len()) {
+            return Err(Error::Unknown { what: "datum point" });
+        }
+        if datum != Datum::Free && placing.len() < 3 {
+            return Err(Error::TooFewPoints { needed: 3, got: placing.len() });
+        }
+        let mut own = Self { placing, ..Self::about(core::iter::empty()) };
+        let places = (0..state.points.len())
+            .filter(|i| layout.roles[*i] != Role::Constant && own.places_by(*i))
+            .map(|i| state.points[i]);
+        let about = Self::about(places);
+        (own.middle, own.scale) = (about.middle, about.scale);
         // A distance gives the scale.
-        let count = if bundle.distances.is_empty() { 7 } else { 6 };
-        Ok(Self { middle: middle.into(), scale: layout.extent, count })
+        own.count = if bundle.distances.is_empty() { 7 } else { 6 };
+        Ok(Some(own))
+    }
+
+    /// What lengths are told in: the spread of the places.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether a point places the block.
+    pub(super) fn places_by(&self, point: usize) -> bool {
+        self.placing.is_empty() || self.placing.binary_search(&(point as u32)).is_ok()
     }
 
     /// G of a point or a centre, in units of the block's extent.
@@ -82,6 +128,15 @@ impl Similarity {
         g
     }
 
+    /// G of the six unknowns of a photograph.
+    pub(super) fn of_image(&self, exterior: &ExteriorOrientation) -> SMatrix<f64, 6, 7> {
+        let mut g = SMatrix::<f64, 6, 7>::zeros();
+        g.fixed_view_mut::<3, 7>(0, 0).copy_from(&self.of_point(&exterior.projection_center()));
+        let turn = -exterior.camera_from_world().matrix() / self.scale;
+        g.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
+        g
+    }
+
     /// G of the reduced system's unknowns, one row each.
     pub(super) fn of_reduced<C>(
         &self,
@@ -91,16 +146,9 @@ impl Similarity {
     ) -> DMatrix<f64> {
         let mut g = DMatrix::zeros(layout.reduced(bundle), self.count);
         for (i, exterior) in state.exteriors.iter().enumerate() {
-            let centre = self.of_point(&exterior.projection_center());
-            let turn = exterior.camera_from_world();
-            for c in 0..self.count {
-                for r in 0..3 {
-                    g[(i * layout.own + r, c)] = centre[(r, c)];
-                    if (3..6).contains(&c) {
-                        g[(i * layout.own + 3 + r, c)] = -turn.matrix()[(r, c - 3)] / self.scale;
-                    }
-                }
-            }
+            let own = self.of_image(exterior);
+            let rows = own.columns(0, self.count);
+            g.view_mut((i * layout.own, 0), (6, self.count)).copy_from(&rows);
         }
         for (place, point) in layout.kept.iter().enumerate() {
             let rows = self.of_point(&state.points[*point as usize]);
@@ -145,24 +193,27 @@ pub(super) struct Transformation {
 }
 
 impl Transformation {
-    /// From G of all unknowns and Z.
+    /// From G of all unknowns, its rows B of the datum points, and Z = Q B.
     pub(super) fn new(
         g: (DMatrix<f64>, Vec<ThreeRows>),
+        b: &[ThreeRows],
         z: (DMatrix<f64>, Vec<ThreeRows>),
         count: usize,
     ) -> Result<Self, Error> {
         let (mut gram, mut middle) = (SMatrix::<f64, 7, 7>::zeros(), SMatrix::<f64, 7, 7>::zeros());
-        for (g, z) in g.1.iter().zip(&z.1) {
-            gram += g.transpose() * g;
-            middle += g.transpose() * z;
+        for (b, z) in b.iter().zip(&z.1) {
+            gram += b.transpose() * b;
+            middle += b.transpose() * z;
         }
         let part = |m: &SMatrix<f64, 7, 7>| DMatrix::from_fn(count, count, |r, c| m[(r, c)]);
-        let inverse = part(&gram).cholesky().ok_or(Error::Degenerate {
-            what: "datum: the points lie on a line",
-            measure: 0.0,
-            limit: f64::EPSILON,
-        })?;
-        let inverse = inverse.inverse();
+        let values = part(&gram).symmetric_eigenvalues();
+        let (measure, limit) = (values.min() / values.max(), LEAST_SPREAD);
+        let on_a_line =
+            Error::Degenerate { what: "datum: the points lie on a line", measure, limit };
+        if !(measure > limit) {
+            return Err(on_a_line);
+        }
+        let inverse = part(&gram).cholesky().ok_or(on_a_line)?.inverse();
         let reduced_turned = &g.0 * &inverse;
         let wide =
             SMatrix::<f64, 7, 7>::from_fn(|r, c| inverse.get((r, c)).copied().unwrap_or(0.0));
@@ -189,6 +240,9 @@ impl Transformation {
         *block += t * middle * t.transpose() - crossed - crossed.transpose();
     }
 }
+
+/// The least square of the datum points' spread across a line, along it being 1.
+pub(super) const LEAST_SPREAD: f64 = 1e-10;
 
 /// No rows.
 pub(super) fn no_rows(points: usize) -> Vec<ThreeRows> {

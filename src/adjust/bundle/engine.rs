@@ -2,12 +2,13 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::sync::atomic::AtomicBool;
 
 use nalgebra::Vector3;
 
 use super::layout::{Layout, Role};
-use super::normal::{Normal, position_residual};
-use super::problem::{Bundle, Kind};
+use super::normal::Normal;
+use super::problem::Bundle;
 use super::state::{State, Step};
 use super::width::Width;
 use super::{OutsideRule, Solver, evaluate, parallel, schur};
@@ -34,6 +35,8 @@ pub(super) struct Engine<'a, C, E, K> {
     pub(super) loss: RobustLoss,
     pub(super) outside: OutsideRule,
     pub(super) solver: Solver,
+    /// Whether the curvature of the loss belongs to the normal equations: to step by near the minimum, not to judge by.
+    pub(super) curved: AtomicBool,
     /// Columns of a photograph's own block.
     pub(super) own: E,
     /// All columns of a photograph.
@@ -71,33 +74,6 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             }
         }
         list
-    }
-
-    /// Half of the weighted squares of what was observed besides image points.
-    pub(super) fn given_cost(&self, state: &State<C>) -> f64 {
-        let bundle = self.bundle;
-        let quadratic = |off: &Vector3<f64>, weight| 0.5 * off.dot(&(weight * off));
-        let mut cost = 0.0;
-        for (object, point) in bundle.points.iter().zip(&state.points) {
-            if let Kind::Control { given, weight } = &object.kind {
-                cost += quadratic(&(point - given), *weight);
-            }
-        }
-        for (image, exterior) in bundle.images.iter().zip(&state.exteriors) {
-            if let Some(position) = image.position.as_ref().filter(|_| !image.held) {
-                let (off, _) = position_residual(exterior, position);
-                cost += quadratic(&off, position.weight);
-            }
-        }
-        for distance in &bundle.distances {
-            let [a, b] = distance.ends.map(|e| state.points[e as usize]);
-            cost += 0.5 * distance.weight * ((a - b).norm() - distance.length).powi(2);
-        }
-        cost + self
-            .observed_parameters(state)
-            .iter()
-            .map(|p| 0.5 * p.weight * p.off * p.off)
-            .sum::<f64>()
     }
 
     /// The steps of the eliminated points, with what they say of the step: the decrease of cost, and the length.

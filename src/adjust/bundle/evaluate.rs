@@ -174,12 +174,31 @@ impl Rows {
         }
     }
 
-    /// Multiplied by √ρ′, the weight of a robust loss.
-    pub(super) fn reweigh(&mut self, factor: f64, total: usize) {
-        for row in &mut self.by_image {
-            row[..total].iter_mut().for_each(|v| *v *= factor);
-        }
-        self.by_point.iter_mut().flatten().for_each(|v| *v *= factor);
-        self.residual.iter_mut().for_each(|v| *v *= factor);
+    /// By a robust loss, of weight ρ′ and curvature c = 2ρ″s/ρ′ at s = ‖r‖²: rows A and residual r that have the loss's
+    /// gradient and Hessian but for the curvature of the residual itself.
+    ///
+    /// ```text
+    /// A ← √ρ′ (I − α r rᵀ/s) A     r ← √ρ′/(1 − α) r     (1 − α)² = 1 + c
+    /// ```
+    /// (Triggs et al. 2000, §4.3.) A loss turned so far that 1 + c would not be positive is taken as nearly flat along r.
+    pub(super) fn reweigh(&mut self, weight: f64, curvature: f64, total: usize) {
+        let root = weight.sqrt();
+        let [x, y] = self.residual;
+        let squared = x * x + y * y;
+        let left = (1.0 + curvature).max(LEAST_CURVATURE).sqrt();
+        let along = if squared > 0.0 { (1.0 - left) / squared } else { 0.0 };
+        let turned = |a: &mut f64, b: &mut f64| {
+            let share = along * (x * *a + y * *b);
+            (*a, *b) = (root * (*a - share * x), root * (*b - share * y));
+        };
+        let [first, second] = &mut self.by_image;
+        first[..total].iter_mut().zip(&mut second[..total]).for_each(|(a, b)| turned(a, b));
+        let [first, second] = &mut self.by_point;
+        first.iter_mut().zip(second).for_each(|(a, b)| turned(a, b));
+        self.residual.iter_mut().for_each(|v| *v *= root / left);
     }
 }
+
+/// What is left of a loss's curvature along the residual, where it is none or negative: points that no ray holds across would
+/// have a singular block.
+const LEAST_CURVATURE: f64 = 0.01;

@@ -11,12 +11,13 @@ use alloc::vec::Vec;
 
 use nalgebra::{DMatrix, Matrix2, Matrix3, SMatrix, SVector, Vector2};
 
-use super::datum::{Datum, Similarity, Transformation, add_null_space, no_rows};
+use super::datum::{Similarity, Transformation, add_null_space, no_rows};
 use super::engine::Engine;
 use super::evaluate::{Rows, image_of};
+use super::given::OfImage;
 use super::layout::Role;
-use super::normal::{Normal, position_residual, symmetric};
-use super::problem::{CameraId, ImageId, Kind, PointId};
+use super::normal::{Normal, symmetric};
+use super::problem::{CameraId, Image, ImageId, Kind, PointId};
 use super::quality::{BundleReport, BundleReportOptions, Cofactors};
 use super::schur::times;
 use super::state::State;
@@ -34,6 +35,7 @@ const MOST_INVERTED: usize = 12_000;
 /// Of an observation that took no part.
 const NOTHING: ObservationReport = ObservationReport {
     residual: f64::NAN,
+    weighted_square: f64::NAN,
     redundancy: f64::NAN,
     w: f64::NAN,
     detectable: f64::NAN,
@@ -51,7 +53,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
     pub(super) fn report(
         &self,
         state: &State<C>,
-        how: &BundleReportOptions,
+        how: &BundleReportOptions<'_>,
     ) -> Result<BundleReport, Error> {
         let (bundle, layout) = (self.bundle, self.layout);
         let n = layout.reduced(bundle);
@@ -64,10 +66,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         }
         let mut normal = Normal::default();
         self.linearise_into(state, &mut normal);
-        let free = match how.datum {
-            Datum::Given => None,
-            Datum::Free => Some(Similarity::new(bundle, layout, state)?),
-        };
+        let free = Similarity::of_datum(how.datum, bundle, layout, state)?;
         let singular = report::undetermined(0.0, f64::EPSILON);
         let inverses = self.inverses(&normal, 0.0).ok_or(singular)?;
         let mut matrix = self.reduce(&normal, &inverses).matrix;
@@ -134,7 +133,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         state: &State<C>,
         normal: &Normal,
         conditions: usize,
-        how: &BundleReportOptions,
+        how: &BundleReportOptions<'_>,
     ) -> Result<BundleReport, Error> {
         let (bundle, layout) = (self.bundle, self.layout);
         let (mut image_points, mut weighted_sum) = (0, 0.0);
@@ -148,11 +147,9 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         weighted_sum += 2.0 * self.given_cost(state);
         let control =
             bundle.points.iter().filter(|p| matches!(p.kind, Kind::Control { .. })).count();
-        let positions = bundle.images.iter().filter(|i| !i.held && i.position.is_some()).count();
-        let observations = image_points
-            + 3 * (control + positions)
-            + bundle.distances.len()
-            + normal.observed.len();
+        let of_images: usize = bundle.images.iter().map(Image::observed_numbers).sum();
+        let observations =
+            image_points + 3 * control + of_images + bundle.distances.len() + normal.observed.len();
         let unknowns = normal.diagonal.iter().filter(|d| **d > 0.0).count()
             + 3 * layout.roles.iter().filter(|r| **r == Role::Eliminated).count();
         let redundancy =
@@ -172,7 +169,8 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             sigma,
             image_points: vec![[NOTHING; 2]; bundle.seen.len()],
             control_points: Vec::with_capacity(control),
-            positions: Vec::with_capacity(positions),
+            positions: Vec::new(),
+            attitudes: Vec::new(),
             distances: Vec::with_capacity(bundle.distances.len()),
             parameters: Vec::with_capacity(normal.observed.len()),
             cofactors: Cofactors {
@@ -301,18 +299,19 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             }
             points.push(of_point.own);
         }
-        for (i, image) in bundle.images.iter().enumerate() {
-            let Some(position) = image.position.as_ref().filter(|_| !image.held) else { continue };
-            let (off, by_turn) = position_residual(&state.exteriors[i], position);
-            let mut a = SMatrix::<f64, 3, 6>::zeros();
-            a.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
-            a.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_turn);
+        for (i, (image, exterior)) in bundle.images.iter().zip(&state.exteriors).enumerate() {
+            if image.held {
+                continue;
+            }
             let at = i * layout.own;
             let own = SMatrix::<f64, 6, 6>::from_fn(|r, c| q[(at + r) * n + at + c]);
-            let covariance = precision::inverse(&position.weight);
-            let unexplained = covariance - a * own * a.transpose();
-            let values = observed(&unexplained, &covariance, &-off, sigma);
-            report.positions.push((ImageId(i as u32), values));
+            let values = |OfImage { off, partials, weight }: OfImage| {
+                let covariance = precision::inverse(&weight);
+                let unexplained = covariance - partials * own * partials.transpose();
+                (ImageId(i as u32), observed(&unexplained, &covariance, &-off, sigma))
+            };
+            report.positions.extend(image.position.map(|p| values(p.at(exterior))));
+            report.attitudes.extend(image.attitude.map(|a| values(a.at(exterior))));
         }
         for distance in &bundle.distances {
             let [a, b] = distance.ends.map(|e| state.points[e as usize]);
@@ -338,7 +337,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         points
     }
 
-    /// The S-transformation to inner constraints over the points.
+    /// The S-transformation to inner constraints over the datum points.
     fn transformation(
         &self,
         state: &State<C>,
@@ -350,10 +349,15 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
     ) -> Result<Transformation, Error> {
         let (bundle, layout, k) = (self.bundle, self.layout, self.total.get());
         let n = layout.reduced(bundle);
-        let mut of_points = no_rows(bundle.points.len());
-        for (i, g) in of_points.iter_mut().enumerate() {
+        // G of all points; B of those of the datum.
+        let (mut g_points, mut of_points) =
+            (no_rows(bundle.points.len()), no_rows(bundle.points.len()));
+        for (i, point) in state.points.iter().enumerate() {
             if layout.roles[i] != Role::Constant {
-                *g = free.of_point(&state.points[i]);
+                g_points[i] = free.of_point(point);
+                if free.places_by(i) {
+                    of_points[i] = g_points[i];
+                }
             }
         }
         // B of the reduced system: −W V⁻¹ G_p, and G itself of the points that are kept.
@@ -406,7 +410,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             }
             z_points[point] = symmetric(inverses[point]) * sum;
         }
-        Transformation::new((g, of_points), (z, z_points), free.count)
+        Transformation::new((g, g_points), &of_points, (z, z_points), free.count)
     }
 }
 

@@ -3,8 +3,7 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use nalgebra::{Point3, Vector3};
-
+use super::datum::Similarity;
 use super::problem::{Bundle, Kind, Seen};
 use super::{Exclusion, OutsideRule, state::State};
 use crate::camera::{Adjustable, CentralModel};
@@ -67,10 +66,18 @@ impl Layout {
             takes_part[i] = false;
             excluded.push((i as u32, reason));
         }
-        // A point with one ray and no coordinates of its own says nothing of the block.
+        // A point with one ray and no coordinates of its own says nothing of the block; its image measured twice in one
+        // photograph is one ray.
         let mut rays = vec![0_u32; points];
+        let mut first_ray = vec![u32::MAX; points];
         for (seen, _) in bundle.seen.iter().zip(&takes_part).filter(|(_, takes)| **takes) {
-            rays[seen.point as usize] += 1;
+            let (rays, first) =
+                (&mut rays[seen.point as usize], &mut first_ray[seen.point as usize]);
+            if *rays == 0 {
+                (*rays, *first) = (1, seen.image);
+            } else if *first != seen.image {
+                *rays = 2;
+            }
         }
         let mut roles: Vec<Role> = bundle
             .points
@@ -153,12 +160,12 @@ impl Layout {
             total,
             camera_points: Vec::new(),
             camera_image,
-            extent: extent(bundle),
+            extent: Similarity::about(bundle.points.iter().map(|p| p.start)).scale(),
         };
         if shared {
             layout.list_camera_points(bundle);
         }
-        layout.check(bundle)?;
+        layout.check(bundle, state)?;
         Ok(layout)
     }
 
@@ -203,88 +210,4 @@ impl Layout {
     pub(super) fn reduced<C>(&self, bundle: &Bundle<C>) -> usize {
         self.kept_column(bundle, self.kept.len())
     }
-
-    /// Refuses photographs that too little is known of, and blocks in parts that nothing ties.
-    fn check<C>(&self, bundle: &Bundle<C>) -> Result<(), Error> {
-        if self.order.is_empty() {
-            return Err(Error::TooFewPoints { needed: 3, got: 0 });
-        }
-        for (image, range) in bundle.images.iter().zip(self.image_first.windows(2)) {
-            // Six numbers are unknown, a point gives two.
-            if !image.held && range[1] - range[0] < 3 {
-                return Err(Error::TooFewPoints { needed: 3, got: range[1] - range[0] });
-            }
-        }
-        let parts = self.parts(bundle);
-        if parts > 1 {
-            return Err(Error::OutOfRange {
-                what: "number of parts of the block that nothing ties together",
-                value: parts as f64,
-                expected: "1, or three control points or a held photograph in each",
-            });
-        }
-        Ok(())
-    }
-
-    /// The number of connected parts that have no datum of their own, and one more where another has: two or more of them
-    /// cannot be placed to each other.
-    fn parts<C>(&self, bundle: &Bundle<C>) -> usize {
-        let images = bundle.images.len();
-        let mut parent: Vec<u32> = (0..(images + bundle.points.len()) as u32).collect();
-        fn root(parent: &mut [u32], mut of: u32) -> u32 {
-            while parent[of as usize] != of {
-                let up = parent[parent[of as usize] as usize];
-                parent[of as usize] = up;
-                of = up;
-            }
-            of
-        }
-        for place in 0..self.order.len() {
-            let seen = self.seen(bundle, place);
-            // A known point ties nothing.
-            if self.roles[seen.point as usize] != Role::Constant {
-                let a = root(&mut parent, seen.image);
-                let b = root(&mut parent, images as u32 + seen.point);
-                parent[a.max(b) as usize] = a.min(b);
-            }
-        }
-        for distance in &bundle.distances {
-            let [a, b] = distance.ends.map(|e| root(&mut parent, images as u32 + e));
-            parent[a.max(b) as usize] = a.min(b);
-        }
-        // Three given points, photographs' positions, or a held photograph place a part.
-        let mut given = vec![0_u32; parent.len()];
-        for (i, image) in bundle.images.iter().enumerate() {
-            let part = root(&mut parent, i as u32) as usize;
-            given[part] += if image.held { 3 } else { u32::from(image.position.is_some()) };
-        }
-        for place in 0..self.order.len() {
-            let seen = self.seen(bundle, place);
-            let point = seen.point as usize;
-            let known = matches!(bundle.points[point].kind, Kind::Fixed | Kind::Control { .. });
-            let last = place + 1 == self.first[point + 1];
-            if known && (last || self.roles[point] == Role::Constant) {
-                given[root(&mut parent, seen.image) as usize] += 1;
-            }
-        }
-        let mut placed = 0;
-        let mut loose = 0;
-        for i in 0..images as u32 {
-            if root(&mut parent, i) == i {
-                if given[i as usize] >= 3 { placed = 1 } else { loose += 1 }
-            }
-        }
-        loose + placed * usize::from(loose > 0)
-    }
-}
-
-/// The root mean square distance of the points from their middle; 1 where there is none.
-fn extent<C>(bundle: &Bundle<C>) -> f64 {
-    let n = bundle.points.len().max(1) as f64;
-    let middle: Vector3<f64> =
-        bundle.points.iter().map(|p| p.start.coords / n).fold(Vector3::zeros(), |a, b| a + b);
-    let middle = Point3::from(middle);
-    let spread: f64 = bundle.points.iter().map(|p| (p.start - middle).norm_squared() / n).sum();
-    let spread = spread.sqrt();
-    if spread > 0.0 && spread.is_finite() { spread } else { 1.0 }
 }

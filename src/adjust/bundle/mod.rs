@@ -7,7 +7,8 @@
 //!
 //! *In words.* Each photograph is a bundle of rays. All bundles are moved and turned, and all object points with them, until
 //! rays meet in the points as well as they can. Besides image points, the coordinates of control points, the positions of GNSS
-//! antennas, the lengths of scale bars and the parameters of cameras may have been observed, each with its precision.
+//! antennas, the attitudes of inertial units, the lengths of scale bars and the parameters of cameras may have been observed, each
+//! with its precision; [`Bundle::estimate_variances`] finds the precisions of whole groups too.
 //!
 //! # Method
 //! Levenberg–Marquardt on exact partial derivatives. Points are eliminated first; what is left is a system of the photographs and
@@ -23,9 +24,18 @@
 //! that takes part out of its camera's domain. [`OutsideRule::Formula`] keeps all of them, by the bare formula of the model:
 //! the rule of programs that know no domain, and of the published costs of *Bundle Adjustment in the Large*.
 //!
+//! # Robust losses
+//! Far from the minimum the steps are those of reweighted least squares, near it the loss's own curvature is in them (Triggs et
+//! al. 2000, §4.3), so that they converge as fast as least squares does. Losses that are flat beyond their scale begin with Huber's.
+//!
 //! # Datum
 //! Without control points or other outside observations, seven numbers (place, attitude, scale) are determined by nothing but the
-//! approximate values: the result is one of many that differ by a similarity.
+//! approximate values: the result is one of many that differ by a similarity. [`Datum`] says what their covariances are relative to.
+//!
+//! # What is refused
+//! Photographs with fewer than three image points; parts that no photographs tie together, where not each is placed by what was given
+//! for it, as by three points that do not lie on a line; fewer observations than unknowns. That a part hangs on too few points of
+//! the others is found by [`Bundle::report`], whose normal matrix is singular then.
 //!
 //! # Example
 //! Two photographs from 10 m, c = 1000 px, one held and the other's position known; six points, from exact image points. The
@@ -63,39 +73,49 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod check;
 mod datum;
 mod dense;
 mod engine;
 mod evaluate;
+mod given;
 mod iterative;
 mod judge;
 mod layout;
 mod normal;
 mod parallel;
+mod parts;
 mod problem;
 mod quality;
 mod schur;
 mod solve;
 mod state;
+mod variance;
 mod width;
 
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Point2, Point3};
 
+pub use check::CheckPoints;
 pub use datum::Datum;
 pub use problem::{Bundle, CameraId, ImageId, PointId};
-pub use quality::{BundleReport, BundleReportOptions};
+pub use quality::{BundleReport, BundleReportOptions, Observation};
+pub use variance::{VarianceComponent, VarianceEstimate};
 
 use self::engine::Engine;
-use self::layout::Layout;
+use self::layout::{Layout, Role};
 use self::normal::Normal;
+use self::problem::Kind;
 use self::state::State;
 use self::width::{Fixed, Runtime, Width};
 use crate::camera::{Adjustable, CentralModel, ExteriorOrientation};
 use crate::error::Error;
-use crate::numeric::least_squares::{Convergence, LeastSquaresOptions, Progress, minimise_watched};
+use crate::numeric::least_squares::{
+    Convergence, LeastSquaresOptions, Problem, Progress, minimise_watched,
+};
 use crate::numeric::robust_loss::RobustLoss;
 
 /// No camera has more groups of parameters.
@@ -106,6 +126,9 @@ const MOST_OF_CAMERA: usize = 24;
 const MOST_COLUMNS: usize = 6 + MOST_OF_CAMERA;
 /// The largest reduced system that is factorised.
 const MOST_DENSE: usize = 2500;
+
+/// A step that lowers the cost by no more than this fraction is near the minimum.
+const NEAR: f64 = 1e-3;
 
 /// What becomes of an observation whose point has no image in its camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -148,7 +171,8 @@ pub enum Solver {
 pub struct BundleOptions {
     /// When to stop.
     pub least_squares: LeastSquaresOptions,
-    /// The loss of an image point's weighted residual, whose scale is in standard deviations.
+    /// The loss of an image point's weighted residual, whose scale is in standard deviations. Tukey's and the truncated one,
+    /// which see nothing beyond their scale, begin with steps of Huber's.
     pub loss: RobustLoss,
     /// What becomes of points behind their cameras.
     pub outside: OutsideRule,
@@ -180,6 +204,9 @@ pub struct Adjusted<C> {
     state: State<C>,
     /// The observations that took no part, by their numbers in the order in which they were added, with the reason.
     pub excluded: Vec<(usize, Exclusion)>,
+    /// The points that keep their approximate coordinates, as fewer than two photographs that take part see them and nothing
+    /// else is known of them; sorted.
+    pub undetermined: Vec<PointId>,
     /// How the iteration ended; the cost is half the sum of losses and weighted squares.
     pub convergence: Convergence,
 }
@@ -227,7 +254,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     ///
     /// # Errors
     /// [`Error::TooFewPoints`] for a photograph with fewer than three image points, an end of a distance with fewer than two
-    /// rays, or no observation at all; [`Error::OutOfRange`] for a block in parts that nothing ties together;
+    /// rays, fewer observations than unknowns, or no observation at all; [`Error::OutOfRange`] for a block in parts that nothing ties together;
     /// [`Error::NotConverged`] where the cost at the start is no number.
     pub fn adjust(&self, options: &BundleOptions) -> Result<Adjusted<C>, Error> {
         self.adjust_watched(options, |_| ControlFlow::Continue(()))
@@ -243,17 +270,26 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         options: &BundleOptions,
         mut watch: impl FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Adjusted<C>, Error> {
-        let start = State::start(self);
-        let layout = Layout::new(self, &start, options.outside)?;
-        let mut watch = |progress: &Progress| watch(progress);
+        self.adjust_from(options, State::start(self), &mut watch)
+    }
+
+    /// From a state; what takes part is decided by the approximate values.
+    fn adjust_from(
+        &self,
+        options: &BundleOptions,
+        start: State<C>,
+        watch: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Adjusted<C>, Error> {
+        options.loss.check()?;
+        let layout = Layout::new(self, &State::start(self), options.outside)?;
         let (six, nine) = (Fixed::<6>, Fixed::<9>);
         let (state, convergence) = match (layout.own, layout.total) {
-            (6, 6) => self.minimise(&layout, start, options, (six, six), &mut watch),
-            (9, 9) => self.minimise(&layout, start, options, (nine, nine), &mut watch),
-            (6, total) => self.minimise(&layout, start, options, (six, Runtime(total)), &mut watch),
+            (6, 6) => self.minimise(&layout, start, options, (six, six), watch),
+            (9, 9) => self.minimise(&layout, start, options, (nine, nine), watch),
+            (6, total) => self.minimise(&layout, start, options, (six, Runtime(total)), watch),
             (own, total) => {
                 let widths = (Runtime(own), Runtime(total));
-                self.minimise(&layout, start, options, widths, &mut watch)
+                self.minimise(&layout, start, options, widths, watch)
             }
         };
         if !convergence.initial_cost.is_finite() {
@@ -261,7 +297,12 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             return Err(Error::NotConverged { iterations: 0, cost });
         }
         let excluded = layout.excluded.iter().map(|(i, e)| (*i as usize, *e)).collect();
-        Ok(Adjusted { state, excluded, convergence })
+        let loose = |i: &u32| {
+            let i = *i as usize;
+            layout.roles[i] == Role::Constant && self.points[i].kind == Kind::Pass
+        };
+        let undetermined = (0..self.points.len() as u32).filter(loose).map(PointId).collect();
+        Ok(Adjusted { state, excluded, undetermined, convergence })
     }
 
     fn minimise<E: Width, K: Width>(
@@ -277,12 +318,44 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             Solver::Automatic => Solver::Dense,
             chosen => chosen,
         };
-        let (loss, outside) = (options.loss, options.outside);
-        let engine = Engine { bundle: self, layout, loss, outside, solver, own, total };
+        let outside = options.outside;
+        let engine = |loss| {
+            let curved = AtomicBool::new(false);
+            Engine { bundle: self, layout, loss, outside, solver, curved, own, total }
+        };
         let mut normal = Normal::default();
-        minimise_watched(&engine, start, &mut normal, &options.least_squares, |_, progress| {
-            watch(progress)
-        })
+        let (mut state, mut before) = (start, None);
+        if let Some(loss) = options.loss.monotone() {
+            let initial_cost = engine(options.loss).cost(&state);
+            let rough = LeastSquaresOptions { decrease_tolerance: NEAR, ..options.least_squares };
+            let engine = engine(loss);
+            let (nearer, end) =
+                minimise_watched(&engine, state, &mut normal, &rough, |_, progress| {
+                    watch(progress)
+                });
+            state = nearer;
+            // Stopped by the watcher, or out of iterations.
+            if !end.converged {
+                let engine = Engine { loss: options.loss, ..engine };
+                let end = Convergence { final_cost: engine.cost(&state), ..end };
+                return (state, Convergence { initial_cost, ..end });
+            }
+            before = Some((initial_cost, end.iterations));
+        }
+        let engine = engine(options.loss);
+        let (initial_cost, iterations) = before.unwrap_or((engine.cost(&state), 0));
+        let mut rest = options.least_squares;
+        rest.max_iterations = rest.max_iterations.saturating_sub(iterations);
+        let mut last = f64::INFINITY;
+        let (state, end) = minimise_watched(&engine, state, &mut normal, &rest, |_, progress| {
+            // Far off the curvature of a loss leads to any minimum; near one it leads there in few steps.
+            if last - progress.cost < NEAR * progress.cost {
+                engine.curved.store(true, Ordering::Relaxed);
+            }
+            last = progress.cost;
+            watch(&Progress { iterations: progress.iterations + iterations, ..*progress })
+        });
+        (state, Convergence { initial_cost, iterations: end.iterations + iterations, ..end })
     }
 
     /// The residual of an observation, by its number in the order in which they were added: observed minus computed, in

@@ -10,17 +10,17 @@
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
+use core::sync::atomic::Ordering;
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::Matrix3;
 
 use super::engine::{Engine, ObservedParameter};
 use super::evaluate::Rows;
 use super::layout::Role;
 use super::parallel;
-use super::problem::{Image, Kind, Position};
 use super::state::State;
 use super::width::Width;
-use crate::camera::{Adjustable, CentralModel, ExteriorOrientation};
+use crate::camera::{Adjustable, CentralModel};
 
 /// The linearisation of a block about a state.
 #[derive(Clone, Debug, Default)]
@@ -59,16 +59,6 @@ pub(super) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3<f64> {
 pub(super) fn add_symmetric(v: &mut [f64; 6], m: &Matrix3<f64>) {
     let upper = [m.m11, m.m12, m.m13, m.m22, m.m23, m.m33];
     v.iter_mut().zip(upper).for_each(|(v, m)| *v += m);
-}
-
-/// Antenna minus observed, and ∂/∂δ of the antenna's position: ∂(Rᵀa) = −Rᵀ (δ × a) = Rᵀ [a]× δ.
-pub(super) fn position_residual(
-    exterior: &ExteriorOrientation,
-    position: &Position,
-) -> (Vector3<f64>, Matrix3<f64>) {
-    let back = exterior.camera_from_world().inverse();
-    let antenna: Point3<f64> = exterior.projection_center() + back * position.lever;
-    (antenna - position.given, back.matrix() * position.lever.cross_matrix())
 }
 
 impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, K> {
@@ -111,6 +101,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
 
     fn linearise_part(&self, state: &State<C>, part: &mut Part<'_>) {
         let (bundle, layout, k) = (self.bundle, self.layout, self.total.get());
+        let curved = self.curved.load(Ordering::Relaxed);
         part.u = vec![0.0; bundle.images.len() * k * k];
         part.image_gradient = vec![0.0; bundle.images.len() * k];
         let mut rows = Rows::default();
@@ -126,9 +117,11 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                     continue;
                 }
                 let [x, y] = rows.residual;
-                let weight = self.loss.weight(x * x + y * y);
+                let squared = x * x + y * y;
+                let weight = self.loss.weight(squared);
                 if weight != 1.0 {
-                    rows.reweigh(weight.sqrt(), k);
+                    let curvature = if curved { self.loss.curvature(squared) } else { 0.0 };
+                    rows.reweigh(weight, curvature, k);
                 }
                 let image = seen.image as usize;
                 let u = &mut part.u[image * k * k..][..k * k];
@@ -148,52 +141,6 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             }
             part.v[own] = v;
             part.gradient[own] = g;
-        }
-    }
-
-    /// Adds what was observed besides image points.
-    fn add_given(&self, state: &State<C>, normal: &mut Normal) {
-        let (bundle, k) = (self.bundle, self.total.get());
-        for (i, object) in bundle.points.iter().enumerate() {
-            if let Kind::Control { given, weight } = &object.kind {
-                add_symmetric(&mut normal.v[i], weight);
-                let pull = weight * (state.points[i] - given);
-                normal.point_gradient[i].iter_mut().zip(pull.iter()).for_each(|(g, p)| *g += p);
-            }
-        }
-        for (i, Image { held, position, .. }) in bundle.images.iter().enumerate() {
-            let Some(position) = position.as_ref().filter(|_| !held) else { continue };
-            let (off, by_turn) = position_residual(&state.exteriors[i], position);
-            let weighted = position.weight * by_turn;
-            let u = &mut normal.u[i * k * k..][..k * k];
-            let g = &mut normal.image_gradient[i * k..][..k];
-            let (turn, pull) = (by_turn.transpose() * weighted, position.weight * off);
-            let pull_turn = by_turn.transpose() * pull;
-            for a in 0..3 {
-                for b in 0..3 {
-                    u[a * k + b] += position.weight[(a, b)];
-                    u[a * k + 3 + b] += weighted[(a, b)];
-                    u[(3 + a) * k + 3 + b] += turn[(a, b)];
-                }
-                g[a] += pull[a];
-                g[3 + a] += pull_turn[a];
-            }
-        }
-        normal.tied.clear();
-        for distance in &bundle.distances {
-            let [a, b] = distance.ends.map(|e| e as usize);
-            let apart = state.points[a] - state.points[b];
-            let length = apart.norm();
-            let along = if length > 0.0 { apart / length } else { Vector3::zeros() };
-            let block = along * along.transpose() * distance.weight;
-            let pull = along * ((length - distance.length) * distance.weight);
-            add_symmetric(&mut normal.v[a], &block);
-            add_symmetric(&mut normal.v[b], &block);
-            for i in 0..3 {
-                normal.point_gradient[a][i] += pull[i];
-                normal.point_gradient[b][i] -= pull[i];
-            }
-            normal.tied.push(-block);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::{Matrix3, Point2, Point3, Vector3};
+use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
 
 use crate::adjust::Precision;
 use crate::adjust::unknowns::{Columns, Unknown};
@@ -59,6 +59,7 @@ pub(super) struct Image {
     pub(super) camera: u32,
     pub(super) held: bool,
     pub(super) position: Option<Position>,
+    pub(super) attitude: Option<Attitude>,
 }
 
 /// An observed position of an antenna.
@@ -66,6 +67,13 @@ pub(super) struct Image {
 pub(super) struct Position {
     pub(super) given: Point3<f64>,
     pub(super) lever: Vector3<f64>,
+    pub(super) weight: Matrix3<f64>,
+}
+
+/// An observed camera_from_world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Attitude {
+    pub(super) given: Rotation3<f64>,
     pub(super) weight: Matrix3<f64>,
 }
 
@@ -107,7 +115,7 @@ pub struct Bundle<C> {
     pub(super) seen: Vec<Seen>,
     /// W = (w₁₁ 0; w₁₂ w₂₂) of the weight matrices P = WᵀW: w₁₁, w₁₂, w₂₂.
     pub(super) precisions: Vec<[f64; 3]>,
-    last_precision: Option<(Precision<2>, u32)>,
+    pub(super) last_precision: Option<(Precision<2>, u32)>,
     pub(super) distances: Vec<Distance>,
 }
 
@@ -207,7 +215,8 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         let number = next("number of photographs", self.images.len())?;
         there("camera", camera.0, self.cameras.len())?;
         all_finite("projection centre", &exterior.projection_center())?;
-        self.images.push(Image { exterior, camera: camera.0, held: false, position: None });
+        let (held, position, attitude) = (false, None, None);
+        self.images.push(Image { exterior, camera: camera.0, held, position, attitude });
         Ok(ImageId(number))
     }
 
@@ -250,8 +259,37 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         Ok(())
     }
 
+    /// Gives a photograph an observed attitude camera_from_world, as of an inertial unit, whose precision is that of a small
+    /// turn about the camera's axes, radians.
+    ///
+    /// ```text
+    /// exp([φ]×) R_observed = R,    φ = 0 expected
+    /// ```
+    ///
+    /// A unit that is not mounted along the camera's axes observes R_observed = (camera_from_unit) (unit_from_world): the first
+    /// factor is the misalignment (boresight), which has to be known. A second call replaces the first.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], [`Error::NotFinite`], and those of [`Precision::weight`].
+    #[doc(alias("IMU", "INS", "boresight", "misalignment"))]
+    pub fn observe_attitude(
+        &mut self,
+        image: ImageId,
+        camera_from_world: Rotation3<f64>,
+        precision: Precision<3>,
+    ) -> Result<(), Error> {
+        let image =
+            self.images.get_mut(image.number()).ok_or(Error::Unknown { what: "photograph" })?;
+        if !camera_from_world.matrix().iter().all(|c| c.is_finite()) {
+            return Err(Error::NotFinite { what: "attitude" });
+        }
+        let weight = precision.weight()?;
+        image.attitude = Some(Attitude { given: camera_from_world, weight });
+        Ok(())
+    }
+
     /// Adds a pass point with approximate coordinates; a check point too, whose known coordinates are compared with the adjusted ones
-    /// afterwards.
+    /// afterwards ([`Adjusted::check`](super::Adjusted::check)).
     ///
     /// # Errors
     /// [`Error::NotFinite`]: a point at infinity has no coordinates.

@@ -1,6 +1,7 @@
 //! How good an adjusted block is.
 
 use alloc::vec::Vec;
+use core::sync::atomic::AtomicBool;
 
 use nalgebra::{DMatrix, Matrix3};
 
@@ -23,8 +24,8 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Debug)]
 pub struct BundleReport {
-    /// n: observed numbers, two for an image point that takes part, three for a control point and a position, one for a
-    /// distance and an observed parameter.
+    /// n: observed numbers, two for an image point that takes part, three for a control point, a position and an attitude, one
+    /// for a distance and an observed parameter.
     pub observations: usize,
     /// u: unknowns.
     pub unknowns: usize,
@@ -45,6 +46,8 @@ pub struct BundleReport {
     pub control_points: Vec<(PointId, [ObservationReport; 3])>,
     /// For each observed position, in the order of the photographs.
     pub positions: Vec<(ImageId, [ObservationReport; 3])>,
+    /// For each observed attitude, in the order of the photographs: of a turn about each of the camera's axes, radians.
+    pub attitudes: Vec<(ImageId, [ObservationReport; 3])>,
     /// For each distance, in their order.
     pub distances: Vec<ObservationReport>,
     /// For each observed parameter of a camera: the camera, its unknown, the report.
@@ -54,14 +57,14 @@ pub struct BundleReport {
 
 /// How an adjusted block is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BundleReportOptions {
+pub struct BundleReportOptions<'a> {
     /// What places the block.
-    pub datum: Datum,
+    pub datum: Datum<'a>,
     /// Whether covariances are scaled by σ₀, or the stated precisions believed.
     pub estimate_sigma: bool,
 }
 
-impl Default for BundleReportOptions {
+impl Default for BundleReportOptions<'_> {
     fn default() -> Self {
         Self { datum: Datum::Given, estimate_sigma: true }
     }
@@ -108,15 +111,47 @@ impl BundleReport {
         }))
     }
 
+    /// Every observed number that took part, by what it is of.
+    pub fn numbers(&self) -> impl Iterator<Item = (Observation, &ObservationReport)> {
+        let image = (self.image_points.iter().enumerate())
+            .flat_map(|(i, v)| v.iter().map(move |v| (Observation::ImagePoint(i), v)))
+            .filter(|(_, v)| !v.redundancy.is_nan());
+        let control = (self.control_points.iter())
+            .flat_map(|(i, v)| v.iter().map(|v| (Observation::ControlPoint(*i), v)));
+        let positions = (self.positions.iter())
+            .flat_map(|(i, v)| v.iter().map(|v| (Observation::Position(*i), v)));
+        let attitudes = (self.attitudes.iter())
+            .flat_map(|(i, v)| v.iter().map(|v| (Observation::Attitude(*i), v)));
+        let distances =
+            self.distances.iter().enumerate().map(|(i, v)| (Observation::Distance(i), v));
+        let parameters =
+            self.parameters.iter().map(|(c, k, v)| (Observation::Parameter(*c, *k), v));
+        image.chain(control).chain(positions).chain(attitudes).chain(distances).chain(parameters)
+    }
+
     /// Σ rᵢ over all observed numbers: the redundancy again, by another way.
     #[must_use]
     pub fn redundancy_sum(&self) -> f64 {
-        let image = self.image_points.iter().flatten().filter(|v| !v.redundancy.is_nan());
-        let three = self.control_points.iter().flat_map(|(_, v)| v);
-        let positions = self.positions.iter().flat_map(|(_, v)| v);
-        let one = self.distances.iter().chain(self.parameters.iter().map(|(_, _, v)| v));
-        image.chain(three).chain(positions).chain(one).map(|v| v.redundancy).sum()
+        self.numbers().map(|(_, v)| v.redundancy).sum()
     }
+}
+
+/// What an observed number of a block is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Observation {
+    /// An image point, by its number in the order in which they were added.
+    ImagePoint(usize),
+    /// The coordinates of a control point.
+    ControlPoint(PointId),
+    /// The position of a photograph's antenna.
+    Position(ImageId),
+    /// The attitude of a photograph.
+    Attitude(ImageId),
+    /// A distance, by its number in the order in which they were added.
+    Distance(usize),
+    /// An unknown of a camera, whose start value was observed.
+    Parameter(CameraId, usize),
 }
 
 impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
@@ -134,7 +169,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         &self,
         adjusted: &Adjusted<C>,
         options: &BundleOptions,
-        how: &BundleReportOptions,
+        how: &BundleReportOptions<'_>,
     ) -> Result<BundleReport, Error> {
         let state = &adjusted.state;
         self.check_adjusted(adjusted)?;
@@ -146,6 +181,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             loss: options.loss,
             outside: options.outside,
             solver: Solver::Dense,
+            curved: AtomicBool::new(false),
             own: Runtime(layout.own),
             total: Runtime(layout.total),
         };

@@ -22,6 +22,22 @@ def exp(w):
     return out
 
 
+def log(rot):
+    """Rotation vector of a real rotation, from its skew part and its trace."""
+    axis = 0.5 * np.array([rot[2, 1] - rot[1, 2], rot[0, 2] - rot[2, 0], rot[1, 0] - rot[0, 1]])
+    sine = np.linalg.norm(axis)
+    return axis if sine == 0 else axis * np.arctan2(sine, 0.5 * (np.trace(rot) - 1)) / sine
+
+
+def log_near(rot, start):
+    """Rotation vector of a complex-stepped rotation: Newton on exp(w) = rot from that of its real part."""
+    w = start.astype(complex)
+    for _ in range(6):
+        off = exp(-w) @ rot
+        w = w + 0.5 * np.array([off[2, 1] - off[1, 2], off[0, 2] - off[2, 0], off[1, 0] - off[0, 1]])
+    return w
+
+
 def look(centre, target):
     f = (target - centre) / np.linalg.norm(target - centre)
     r = np.cross(f, [0, 0, 1.0])
@@ -45,7 +61,7 @@ points = rng.uniform(-2, 2, (24, 3))
 class Block:
     """Unknowns: photographs (6 each), cameras' chosen parameters, points that are not fixed."""
 
-    def __init__(self, name, chosen, shared, fixed=(), control=(), positions=(), distances=(), prior=None):
+    def __init__(self, name, chosen, shared, fixed=(), control=(), positions=(), distances=(), prior=None, attitudes=(), datum=None, groups=None):
         self.name, self.chosen, self.shared, self.fixed = name, chosen, shared, list(fixed)
         ncam = 1 if shared else len(centres)
         base = np.array([1000.0, 12.0, -7.0, -0.1, 0.02])
@@ -84,6 +100,12 @@ class Block:
             lever = np.array([0.1, -0.2, 0.3])
             given = centres[i] + rots[i].T @ lever + rng.normal(0, 0.02, 3)
             self.positions.append((i, given, lever, 0.02))
+        self.attitudes = []
+        for i in attitudes:
+            c = np.diag([1e-6, 1e-6, 4e-6])
+            turn = np.linalg.cholesky(c) @ rng.normal(size=3) * (40 if i == 2 else 1)
+            self.attitudes.append((i, exp(turn) @ rots[i], c))
+        self.datum, self.groups, self.factors = datum, groups, np.ones(6)
         self.distances = [(a, b, np.linalg.norm(points[a] - points[b]) + rng.normal() * 0.002, 0.002) for a, b in distances]
         self.prior = prior
         self.start_f = self.cams[0][0]
@@ -112,13 +134,28 @@ class Block:
         out = [project(rot[i], cen[i], cams[self.of[i]], pts[j]) - x for i, j, x, _ in self.obs]
         out += [pts[j] - g for j, g, _ in self.control]
         out += [cen[i] + rot[i].T @ lever - g for i, g, lever, _ in self.positions]
+        for i, given, _ in self.attitudes:
+            off = rot[i] @ given.T
+            out.append(log_near(off, log(off.real)))
         out += [np.sqrt(np.sum((pts[a] - pts[b]) ** 2, keepdims=True)) - l for a, b, l, _ in self.distances]
         if self.prior:
             out.append(np.array([cams[0][0] - self.start_f]))
         return out
 
     def covariances(self):
+        """Of each group of observed numbers, multiplied by the squared factor of its kind."""
+        c = self.stated()
+        return [v * self.factors[k] ** 2 for v, k in zip(c, self.kinds())]
+
+    def kinds(self):
+        """0 image points (the second half of the photographs 5 where kinds are told apart), 1 control points, 2 positions, 3 attitudes, 4 the rest."""
+        k = [5 if self.groups and i >= 3 else 0 for i, *_ in self.obs] + [1] * len(self.control) + [2] * len(self.positions)
+        k += [3] * len(self.attitudes) + [4] * len(self.distances)
+        return k + [4] * bool(self.prior)
+
+    def stated(self):
         c = [c for *_, c in self.obs] + [c for *_, c in self.control] + [s * s * np.eye(3) for *_, s in self.positions]
+        c += [c for *_, c in self.attitudes]
         c += [np.array([[s * s]]) for *_, s in self.distances]
         if self.prior:
             c.append(np.array([[self.prior ** 2]]))
@@ -133,7 +170,8 @@ class Block:
             cols.append(np.concatenate(self.residuals(d)).imag / h)
         return np.array(cols).T
 
-    def solve(self):
+    def gauss_newton(self, most=50):
+        """Residuals, design matrix and covariance matrix at the minimum."""
         covs = self.covariances()
         m = sum(len(c) for c in covs)
         sigma, at = np.zeros((m, m)), 0
@@ -141,27 +179,54 @@ class Block:
             sigma[at:at + len(c), at:at + len(c)] = c
             at += len(c)
         white = np.linalg.inv(np.linalg.cholesky(sigma))
-        for it in range(50):
-            r = white @ np.concatenate(self.residuals(np.zeros(self.n)))
+        for self.iterations in range(most):
+            r = white @ np.concatenate(self.residuals(np.zeros(self.n))).real
             a = white @ self.jacobian()
             d = np.linalg.lstsq(a, -r, rcond=1e-9)[0]
             self.centres, self.rots, self.cams, self.points = self.moved(d)
             if np.abs(d).max() < 1e-12:
                 break
-        r = np.concatenate(self.residuals(np.zeros(self.n)))
-        a = self.jacobian()
+        return np.concatenate(self.residuals(np.zeros(self.n))).real, self.jacobian(), sigma
+
+    def reml(self):
+        """Helmert's variance components by Fisher's scoring of the restricted likelihood, all unknowns in one matrix:
+        S_gh = tr(W V_g W V_h), q_g = r' P V_g P r with W = P - P A (A'PA)^-1 A'P (Rao 1971, Koch 1986)."""
+        for it in range(60):
+            r, a, sigma = self.gauss_newton(3 if it else 50)
+            p = np.linalg.inv(sigma)
+            w = p - p @ a @ np.linalg.solve(a.T @ p @ a, a.T @ p)
+            kinds = np.concatenate([[k] * len(c) for k, c in zip(self.kinds(), self.covariances())]).astype(int)
+            used = sorted(set(kinds))
+            v = [sigma * (kinds == g)[:, None] for g in used]
+            s = np.array([[np.sum((w @ x) * (w @ y).T) for y in v] for x in v])
+            q = np.array([(w @ r) @ x @ (w @ r) for x in v])
+            step = np.linalg.solve(s, q)
+            for g, f in zip(used, step):
+                self.factors[g] *= np.sqrt(max(f, 0.05))
+            if np.abs(step - 1).max() < 1e-9:
+                return
+        raise RuntimeError("variance components did not settle")
+
+    def solve(self):
+        if self.groups:
+            self.reml()
+        r, a, sigma = self.gauss_newton()
+        m = len(r)
         p = np.linalg.inv(sigma)
         cost = 0.5 * r @ p @ r
         normal = a.T @ p @ a
-        given = bool(self.fixed or self.control or self.positions)
+        given = bool(self.fixed or self.control or self.positions or self.attitudes)
         defect = 0 if given else (6 if self.distances else 7)
         if given:
             q = np.linalg.inv(normal)
         else:
             # Inner constraints over the points: the bordered system.
             b = np.zeros((self.n, defect))
-            mid = self.points.mean(axis=0)
+            placing = self.free if self.datum is None else self.datum
+            mid = self.points[placing].mean(axis=0)
             for k, j in enumerate(self.free):
+                if j not in placing:
+                    continue
                 x, y, z = self.points[j] - mid
                 g = np.array([[1, 0, 0, 0, z, -y, x], [0, 1, 0, -z, 0, x, y], [0, 0, 1, y, -x, 0, z]])
                 b[self.nc + 3 * k:self.nc + 3 * k + 3] = g[:, :defect]
@@ -177,13 +242,15 @@ class Block:
         numbers = np.diag(qvv @ p)
         w = -(p @ r) / (s0 * np.sqrt(np.diag(p @ qvv @ p)))
         qs = q * s0 * s0
-        print(self.name, it, cost, redundancy, s0, numbers.sum())
+        print(self.name, self.iterations, cost, redundancy, s0, numbers.sum())
         k = len(self.chosen)
         return dict(
             name=self.name, chosen=self.chosen, shared=self.shared, start=self.start, fixed=self.fixed,
             observations=[[i, j, *x.tolist(), *c.ravel().tolist()] for i, j, x, c in self.obs],
             control=[[j, *g.tolist(), *c.ravel().tolist()] for j, g, c in self.control],
             positions=[[i, *g.tolist(), *lever.tolist(), s] for i, g, lever, s in self.positions],
+            attitudes=[[i, *g.ravel().tolist(), *c.ravel().tolist()] for i, g, c in self.attitudes],
+            datum=self.datum, groups=self.groups, factors=self.factors.tolist(),
             distances=[list(map(float, d)) for d in self.distances], prior=self.prior,
             cost=cost, redundancy=redundancy, unknowns=self.n, count=m, sigma0=s0,
             cameras=self.cams.tolist(), centres=[c.tolist() for c in self.centres], points=self.points.tolist(),
@@ -199,6 +266,9 @@ cases = [
     Block("free", [], True),
     Block("own cameras", [0, 3, 4], False, fixed=[0, 1, 2, 3]),
     Block("own cameras, four unknowns", [0, 1, 2, 3], False, control=[0, 1, 2, 3, 4]),
+    Block("attitudes", [0, 3], True, control=[0, 5], positions=[0, 3, 4], attitudes=[0, 1, 2, 5]),
+    Block("free, placed by points", [0, 3], True, datum=[3, 7, 8, 20]),
+    Block("variances", [0], True, control=range(12), positions=range(6), attitudes=range(6), groups=True),
 ]
 with open(os.path.join(here, "bundle.json"), "w") as f:
     json.dump([c.solve() for c in cases], f)
