@@ -13,8 +13,9 @@ use collinear::numeric::least_squares::Progress;
 use collinear::numeric::robust_loss::RobustLoss;
 use serde_json::{Value, json};
 
-use crate::block::Block;
+use crate::block::{Block, Idle};
 use crate::protocol::{Table, decimals_for, fixed, number, rows};
+use crate::reason::reason;
 use crate::resect::Estimated;
 use crate::residuals::Vector;
 
@@ -62,7 +63,8 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
     let adjusted = block.bundle.adjust_watched(&how, |step: &Progress| {
         progress(step.iterations as usize, total);
         ControlFlow::Continue(())
-    })?;
+    });
+    let adjusted = adjusted.map_err(|e| anyhow!(reason(&e)))?;
     let end = &adjusted.convergence;
     if !end.converged && !(end.final_cost < end.initial_cost) {
         bail!(
@@ -83,11 +85,22 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
         .collect();
     let quality = if options.quality {
         let judged = BundleReportOptions { datum: Datum::Free, estimate_sigma: !options.trust };
-        Some(block.bundle.report(&adjusted, &how, &judged)?)
+        let judged = block.bundle.report(&adjusted, &how, &judged);
+        Some(judged.map_err(|e| anyhow!(reason(&e)))?)
     } else {
         None
     };
     Ok(Outcome { adjusted, residuals, quality, estimate: options.estimate.clone() })
+}
+
+/// Why an observation takes no part, for machines.
+fn word(exclusion: Exclusion) -> &'static str {
+    match exclusion {
+        Exclusion::BehindCamera => "behind_camera",
+        Exclusion::OutsideDomain => "outside_domain",
+        Exclusion::SingleRay => "single_ray",
+        _ => "other",
+    }
 }
 
 /// So many of the observations with the largest |w| are listed.
@@ -109,6 +122,12 @@ impl Outcome {
             block.points.len(),
             block.observations.len()
         );
+        for Idle { name, image_points } in &block.idle {
+            let _ = writeln!(
+                text,
+                "left out         photograph {name}: {image_points} image points that can take part, 3 needed"
+            );
+        }
         for (exclusion, why) in [
             (Exclusion::BehindCamera, "behind their cameras"),
             (Exclusion::OutsideDomain, "outside their cameras' domain"),
@@ -343,13 +362,32 @@ impl Outcome {
                 })
             })
             .collect();
+        let left_out: Vec<Value> = self
+            .adjusted
+            .excluded
+            .iter()
+            .filter_map(|(i, exclusion)| {
+                let (photograph, point, at) = block.observations.get(*i)?;
+                Some(json!({
+                    "photograph": block.photographs[*photograph], "point": block.points[*point],
+                    "image": [at.x, at.y], "reason": word(*exclusion),
+                }))
+            })
+            .collect();
+        let idle: Vec<Value> = block
+            .idle
+            .iter()
+            .map(|idle| json!({ "name": idle.name, "image_points": idle.image_points }))
+            .collect();
         let quality = self.quality.as_ref();
         let value = json!({
             "initial_cost": convergence.initial_cost, "final_cost": convergence.final_cost,
             "iterations": convergence.iterations, "converged": convergence.converged,
             "image_points": block.observations.len(), "left_out": self.adjusted.excluded.len(),
+            "left_out_image_points": left_out, "left_out_photographs": idle,
             "rms": number(self.rms(self.residuals.iter().flatten().count())),
             "observations": quality.map(|q| q.observations), "unknowns": quality.map(|q| q.unknowns),
+            "conditions": quality.map(|q| q.conditions),
             "redundancy": quality.map(|q| q.redundancy), "sigma0": quality.and_then(|q| q.sigma0),
             "cameras": cameras, "photographs": photographs, "suspects": suspects,
         });

@@ -1,19 +1,20 @@
 //! Blocks of photographs out of other programs' files, and back.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail};
-use collinear::adjust::bundle::{Adjusted, Bundle, CameraId, ImageId, PointId};
-use collinear::adjust::{Precision, Unknown};
+use collinear::adjust::bundle::{Adjusted, Bundle, CameraId, ImageId};
 use collinear::camera::{Brown, BrownCamera, EvenRadial};
-use collinear::nalgebra::{Matrix3, Point2, Point3, Rotation3};
-use collinear::{ExteriorOrientation, Frame, InteriorOrientation};
+use collinear::nalgebra::{Matrix3, Point2, Rotation3};
+use collinear::{Frame, InteriorOrientation};
 use collinear_io::bal::{Bal, BalCamera, Camera as BalFileCamera, Observation};
 use collinear_io::camera::CameraFile;
 use collinear_io::colmap::Encoding;
 use collinear_io::opensfm::Observation as Track;
 use collinear_io::{bundler, colmap, opensfm};
 
+use crate::draft::Draft;
 use crate::resect::Estimated;
 
 /// A file with photographs, points and what was measured of them.
@@ -46,7 +47,19 @@ pub struct Block {
     pub points: Vec<String>,
     /// For each observation the place of its photograph, of its point, and the image point, pixels.
     pub observations: Vec<(usize, usize, Point2<f64>)>,
-    point_ids: Vec<PointId>,
+    /// The photographs that were left out: they stay as they are.
+    pub idle: Vec<Idle>,
+    /// For each photograph of the file its place in the block.
+    pub(crate) places: Vec<Option<usize>>,
+}
+
+/// A photograph with too few image points to find its pose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Idle {
+    /// Its name.
+    pub name: String,
+    /// How many of its image points could take part: of points that lie before it and that another photograph shows too.
+    pub image_points: usize,
 }
 
 impl BlockFile {
@@ -90,11 +103,12 @@ impl BlockFile {
         }
     }
 
-    /// The block, every image point with the same standard deviation.
+    /// The block, every image point with the same standard deviation. Photographs with fewer than three image points that can take
+    /// part are left out; with `formula` points behind their cameras can.
     ///
     /// # Errors
-    /// A camera that is neither a pinhole nor Brown's; numbers that are none.
-    pub fn block(&self, estimate: &[Estimated], sigma: f64) -> Result<Block> {
+    /// A camera that is neither a pinhole nor Brown's; numbers that are none; no photograph that can take part.
+    pub fn block(&self, estimate: &[Estimated], sigma: f64, formula: bool) -> Result<Block> {
         let bare = |e: &Estimated| {
             matches!(e, Estimated::PrincipalDistance | Estimated::Radial(0) | Estimated::Radial(1))
         };
@@ -103,94 +117,47 @@ impl BlockFile {
                 "has cameras of f, k1 and k2 only: of what --estimate says it can hold distance, k1, k2"
             );
         }
-        let mut block = Block::new();
-        let unknowns: Vec<Unknown> = estimate.iter().flat_map(|e| e.unknowns(0)).collect();
+        let mut draft = Draft::new(estimate.iter().flat_map(|e| e.unknowns(0)).collect(), sigma);
         match self {
-            Self::Bal(bal) => block.add_bal(bal, &unknowns, sigma)?,
-            Self::Bundler(bundle) => block.add_bal(&bal_of(bundle)?, &unknowns, sigma)?,
-            Self::Colmap(model, _) => {
-                let mut cameras = std::collections::BTreeMap::new();
-                let mut points = std::collections::BTreeMap::new();
-                for (id, point) in &model.points {
-                    points.insert(*id, block.add_point(id.to_string(), point.world)?);
-                }
-                for ((name, file), image) in model.photographs()?.iter().zip(model.images.values())
-                {
-                    let camera = match cameras.get(&image.camera) {
-                        Some(camera) => *camera,
-                        None => {
-                            let name = image.camera.to_string();
-                            let camera = block.add_camera(name, file, &unknowns)?;
-                            cameras.insert(image.camera, camera);
-                            camera
-                        }
-                    };
-                    let photograph = block.add_photograph(name.clone(), file, camera)?;
-                    for seen in &image.observations {
-                        let place = seen.point.and_then(|id| points.get(&id));
-                        if let Some(&point) = place {
-                            block.observe(photograph, point, seen.image, sigma)?;
-                        }
-                    }
-                }
-            }
-            Self::OpenSfm(model, tracks) => {
-                let mut cameras = std::collections::BTreeMap::new();
-                let mut photographs = std::collections::BTreeMap::new();
-                let mut points = std::collections::BTreeMap::new();
-                for (id, point) in &model.points {
-                    points.insert(id.as_str(), block.add_point(id.clone(), point.coordinates)?);
-                }
-                for (name, shot) in &model.shots {
-                    let file = model.camera(name)?;
-                    let camera = match cameras.get(&shot.camera) {
-                        Some(camera) => *camera,
-                        None => {
-                            let camera = block.add_camera(shot.camera.clone(), &file, &unknowns)?;
-                            cameras.insert(shot.camera.clone(), camera);
-                            camera
-                        }
-                    };
-                    let photograph = block.add_photograph(name.clone(), &file, camera)?;
-                    photographs.insert(name.as_str(), (photograph, [file.width, file.height]));
-                }
-                for track in tracks {
-                    let seen = photographs.get(track.image.as_str());
-                    let point = points.get(track.track.as_str());
-                    if let (Some(&(photograph, [w, h])), Some(&point)) = (seen, point) {
-                        block.observe(photograph, point, track.pixel(w, h), sigma)?;
-                    }
-                }
-            }
+            Self::Bal(bal) => add_bal(&mut draft, bal)?,
+            Self::Bundler(bundle) => add_bal(&mut draft, &bal_of(bundle)?)?,
+            Self::Colmap(model, _) => add_colmap(&mut draft, model)?,
+            Self::OpenSfm(model, tracks) => add_opensfm(&mut draft, model, tracks)?,
         }
-        Ok(block)
+        draft.block(formula)
     }
 
-    /// Writes the block with its adjusted numbers in the format it came in; COLMAP's into a folder.
+    /// The files with the adjusted numbers in the format they came in, not yet written: COLMAP's are three in a folder. Photographs that
+    /// were left out are as they were, but for the camera that they share with others.
     ///
     /// # Errors
-    /// A camera that the format cannot hold; those of writing.
-    pub fn write(
+    /// A camera that the format cannot hold.
+    pub fn adjusted(
         mut self,
         block: &Block,
         adjusted: &Adjusted<BrownCamera>,
         path: &Path,
-    ) -> Result<()> {
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
         let frames: Vec<Frame<BrownCamera>> = block.frames(adjusted)?;
         let points = adjusted.points();
-        match &mut self {
+        let place = |photograph: usize| block.places.get(photograph).copied().flatten();
+        let frame = |photograph: usize| place(photograph).and_then(|p| frames.get(p));
+        let text = match &mut self {
             Self::Bal(bal) => {
-                for (to, frame) in bal.cameras.iter_mut().zip(&frames) {
-                    *to = bal_camera(frame)?;
+                for (i, to) in bal.cameras.iter_mut().enumerate() {
+                    if let Some(frame) = frame(i) {
+                        *to = bal_camera(frame)?;
+                    }
                 }
                 for (to, point) in bal.points.iter_mut().zip(points) {
                     *to = (*point).into();
                 }
-                bal.write(path)?;
+                bal.to_text()
             }
             Self::Bundler(bundle) => {
                 let registered = bundle.cameras.iter_mut().filter(|c| c.focal != 0.0);
-                for (to, frame) in registered.zip(&frames) {
+                for (i, to) in registered.enumerate() {
+                    let Some(frame) = frame(i) else { continue };
                     let from = bal_camera(frame)?;
                     let r = Rotation3::from_scaled_axis(from.rotation.into());
                     to.rotation = [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[(i, j)]));
@@ -199,17 +166,19 @@ impl BlockFile {
                 for (to, point) in bundle.points.iter_mut().zip(points) {
                     to.world = (*point).into();
                 }
-                let text = bundle.to_text();
-                collinear_io::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
+                bundle.to_text()
             }
             Self::Colmap(model, encoding) => {
-                let files = block.files(&frames);
-                let new = colmap::Reconstruction::from_photographs(&files)?;
-                for (to, from) in model.images.values_mut().zip(new.images.values()) {
+                let files = colmap::Reconstruction::from_photographs(&block.files(&frames))?;
+                let new: Vec<&colmap::Image> = files.images.values().collect();
+                for (i, to) in model.images.values_mut().enumerate() {
+                    let Some(from) = place(i).and_then(|p| new.get(p)) else { continue };
                     to.quaternion_wxyz = from.quaternion_wxyz;
                     to.translation = from.translation;
-                    if let Some(camera) = new.cameras.get(&from.camera) {
-                        model.cameras.insert(to.camera, camera.clone());
+                    if let Some(camera) = files.cameras.get(&from.camera) {
+                        let old = model.cameras.get(&to.camera);
+                        let same = old.and_then(|old| camera.in_model(old.model));
+                        model.cameras.insert(to.camera, same.unwrap_or_else(|| camera.clone()));
                     }
                 }
                 let errors = block.mean_errors(adjusted);
@@ -217,11 +186,10 @@ impl BlockFile {
                     to.world = (*point).into();
                     to.error = error;
                 }
-                model.write(path, *encoding)?;
+                return Ok(model.files(path, *encoding)?);
             }
             Self::OpenSfm(model, _) => {
-                let files = block.files(&frames);
-                let new = opensfm::Reconstruction::from_photographs(&files)?;
+                let new = opensfm::Reconstruction::from_photographs(&block.files(&frames))?;
                 for (name, to) in &mut model.shots {
                     let Some(from) = new.shots.get(name) else { continue };
                     to.rotation = from.rotation;
@@ -233,11 +201,87 @@ impl BlockFile {
                 for (to, point) in model.points.values_mut().zip(points) {
                     to.coordinates = (*point).into();
                 }
-                model.write(path)?;
+                model.to_json().map_err(|e| e.in_file(path))?
+            }
+        };
+        Ok(vec![(path.to_owned(), text.into_bytes())])
+    }
+}
+
+fn add_bal(draft: &mut Draft, bal: &Bal) -> Result<()> {
+    for (i, camera) in bal.cameras.iter().enumerate() {
+        let named = |e: &dyn std::fmt::Display| anyhow!("camera {i}: {e}");
+        let interior = InteriorOrientation::new([camera.focal; 2], Point2::origin(), 0.0);
+        let [k1, k2] = camera.k;
+        let lens = Brown::new([k1, k2, 0.0], [0.0; 2]).map_err(|e| named(&e))?;
+        let model = BrownCamera::new(interior.map_err(|e| named(&e))?, lens);
+        let id = draft.add_camera(i.to_string(), model, None);
+        draft.add_photograph(i.to_string(), camera.exterior().map_err(|e| named(&e))?, id);
+    }
+    for (i, point) in bal.points.iter().enumerate() {
+        draft.add_point(i.to_string(), *point);
+    }
+    for seen in &bal.observations {
+        draft.observe(seen.camera as usize, seen.point as usize, seen.pixel().into());
+    }
+    Ok(())
+}
+
+fn add_colmap(draft: &mut Draft, model: &colmap::Reconstruction) -> Result<()> {
+    let mut cameras = BTreeMap::new();
+    let mut points = BTreeMap::new();
+    for (id, point) in &model.points {
+        points.insert(*id, draft.add_point(id.to_string(), point.world));
+    }
+    for ((name, file), image) in model.photographs()?.iter().zip(model.images.values()) {
+        let camera = match cameras.get(&image.camera) {
+            Some(camera) => *camera,
+            None => {
+                let camera = draft.add_camera_file(image.camera.to_string(), file)?;
+                cameras.insert(image.camera, camera);
+                camera
+            }
+        };
+        let exterior = file.exterior.orientation()?;
+        let photograph = draft.add_photograph(name.clone(), exterior, camera);
+        for seen in &image.observations {
+            if let Some(&point) = seen.point.and_then(|id| points.get(&id)) {
+                draft.observe(photograph, point, seen.image);
             }
         }
-        Ok(())
     }
+    Ok(())
+}
+
+fn add_opensfm(draft: &mut Draft, model: &opensfm::Reconstruction, tracks: &[Track]) -> Result<()> {
+    let mut cameras = BTreeMap::new();
+    let mut photographs = BTreeMap::new();
+    let mut points = BTreeMap::new();
+    for (id, point) in &model.points {
+        points.insert(id.as_str(), draft.add_point(id.clone(), point.coordinates));
+    }
+    for (name, shot) in &model.shots {
+        let file = model.camera(name)?;
+        let camera = match cameras.get(&shot.camera) {
+            Some(camera) => *camera,
+            None => {
+                let camera = draft.add_camera_file(shot.camera.clone(), &file)?;
+                cameras.insert(shot.camera.clone(), camera);
+                camera
+            }
+        };
+        let exterior = file.exterior.orientation()?;
+        let photograph = draft.add_photograph(name.clone(), exterior, camera);
+        photographs.insert(name.as_str(), (photograph, [file.width, file.height]));
+    }
+    for track in tracks {
+        let seen = photographs.get(track.image.as_str());
+        let point = points.get(track.track.as_str());
+        if let (Some(&(photograph, [w, h])), Some(&point)) = (seen, point) {
+            draft.observe(photograph, point, track.pixel(w, h));
+        }
+    }
+    Ok(())
 }
 
 /// Bundler's model is BAL's; photographs that were not registered, whose f is 0, are left out.
@@ -279,94 +323,6 @@ fn bal_camera(frame: &Frame<BrownCamera>) -> Result<BalFileCamera> {
 }
 
 impl Block {
-    fn new() -> Self {
-        Self {
-            bundle: Bundle::new(),
-            photographs: vec![],
-            images: vec![],
-            cameras: vec![],
-            sizes: vec![],
-            points: vec![],
-            observations: vec![],
-            point_ids: vec![],
-        }
-    }
-
-    fn add_bal(&mut self, bal: &Bal, unknowns: &[Unknown], sigma: f64) -> Result<()> {
-        for (i, camera) in bal.cameras.iter().enumerate() {
-            let interior = InteriorOrientation::new([camera.focal; 2], Point2::origin(), 0.0)?;
-            let [k1, k2] = camera.k;
-            let model = BrownCamera::new(interior, Brown::new([k1, k2, 0.0], [0.0; 2])?);
-            let id = self.bundle.add_camera(model, unknowns)?;
-            self.cameras.push(i.to_string());
-            self.sizes.push(None);
-            self.add_image(i.to_string(), camera.exterior()?, id)?;
-        }
-        for (i, point) in bal.points.iter().enumerate() {
-            self.add_point(i.to_string(), *point)?;
-        }
-        for seen in &bal.observations {
-            let place = (seen.camera as usize, seen.point as usize);
-            self.observe(place.0, place.1, seen.pixel().into(), sigma)?;
-        }
-        Ok(())
-    }
-
-    fn add_camera(
-        &mut self,
-        name: String,
-        file: &CameraFile,
-        unknowns: &[Unknown],
-    ) -> Result<CameraId> {
-        let camera = file.frame().map_err(|e| anyhow!("camera {name}: {e}"))?.camera;
-        let id = self.bundle.add_camera(camera, unknowns)?;
-        self.cameras.push(name);
-        self.sizes.push(Some([file.width, file.height]));
-        Ok(id)
-    }
-
-    fn add_photograph(
-        &mut self,
-        name: String,
-        file: &CameraFile,
-        camera: CameraId,
-    ) -> Result<usize> {
-        self.add_image(name, file.exterior.orientation()?, camera)
-    }
-
-    fn add_image(
-        &mut self,
-        name: String,
-        exterior: ExteriorOrientation,
-        camera: CameraId,
-    ) -> Result<usize> {
-        let id = self.bundle.add_image(exterior, camera)?;
-        self.photographs.push(name);
-        self.images.push((id, camera));
-        Ok(self.photographs.len() - 1)
-    }
-
-    fn add_point(&mut self, name: String, place: [f64; 3]) -> Result<usize> {
-        let id = self.bundle.add_point(Point3::from(place))?;
-        self.points.push(name);
-        self.point_ids.push(id);
-        Ok(self.points.len() - 1)
-    }
-
-    fn observe(
-        &mut self,
-        photograph: usize,
-        point: usize,
-        image: [f64; 2],
-        sigma: f64,
-    ) -> Result<()> {
-        let (image_id, point_id) = (self.images[photograph].0, self.point_ids[point]);
-        let at = Point2::from(image);
-        self.bundle.observe(image_id, point_id, at, Precision::Sigma(sigma))?;
-        self.observations.push((photograph, point, at));
-        Ok(())
-    }
-
     /// The adjusted photographs.
     fn frames(&self, adjusted: &Adjusted<BrownCamera>) -> Result<Vec<Frame<BrownCamera>>> {
         self.images

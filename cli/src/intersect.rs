@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use anyhow::{Result, anyhow};
+use collinear::Error;
 use collinear::adjust::{
     CRITICAL_VALUE, ImageObservation, Intersection, IntersectionOptions, Precision, intersect,
 };
@@ -14,6 +15,7 @@ use collinear_io::points::quoted;
 use serde_json::{Value, json};
 
 use crate::protocol::{Table, decimals_for, fixed, number, rows};
+use crate::reason::reason;
 
 /// An oriented sensor with its name.
 #[derive(Debug)]
@@ -32,7 +34,7 @@ pub struct PointResult {
     /// The photographs that show it.
     pub photos: Vec<String>,
     /// The point with its report, or why there is none.
-    pub found: Result<Intersection, collinear::Error>,
+    pub found: Result<Intersection, String>,
 }
 
 /// Intersects every point of a list, in the order in which the list first names them.
@@ -73,9 +75,26 @@ pub fn run(
         progress(i, total);
         let list: Vec<ImageObservation<'_>> = observations.iter().map(|o| o.1).collect();
         let photos = observations.iter().map(|o| o.0.to_owned()).collect();
-        PointResult { id, photos, found: intersect(&list, &options) }
+        let found = intersect(&list, &options);
+        let found = found.map_err(|error| match seen_from_nowhere(&error, &observations) {
+            Some(photo) => format!("{} (in {photo})", reason(&error)),
+            None => reason(&error),
+        });
+        PointResult { id, photos, found }
     });
     Ok(result.collect())
+}
+
+/// The first photograph in which the measured image has no line of sight, where that is the error.
+fn seen_from_nowhere<'a>(
+    error: &Error,
+    observations: &[(&'a str, ImageObservation<'_>)],
+) -> Option<&'a str> {
+    let none = |o: &&(&'a str, ImageObservation<'_>)| o.1.sensor.locus(&o.1.image).is_err();
+    match error {
+        Error::Projection(_) => observations.iter().find(none).map(|o| o.0),
+        _ => None,
+    }
 }
 
 /// The names that there are, a few of them.
@@ -144,7 +163,7 @@ pub fn to_text(points: &[PointResult]) -> String {
             }
             Err(error) => {
                 cells.extend(["–"; 9].map(str::to_owned));
-                cells.push(error.to_string());
+                cells.push(error.clone());
             }
         }
         table.row(cells);
@@ -167,7 +186,7 @@ pub fn to_csv(points: &[PointResult]) -> String {
                 let sigma0 = found.report.sigma0.map_or(String::new(), |s| format!("{s:?}"));
                 writeln!(text, "{id},{x:?},{y:?},{z:?},{sx:?},{sy:?},{sz:?},{rays},{sigma0},")
             }
-            Err(error) => writeln!(text, "{id},,,,,,,{rays},,{}", quoted(&error.to_string())),
+            Err(error) => writeln!(text, "{id},,,,,,,{rays},,{}", quoted(error)),
         };
     }
     text
@@ -202,7 +221,7 @@ pub fn to_json(points: &[PointResult]) -> Result<String> {
                     "sigma0": report.sigma0, "redundancy": report.redundancy, "observations": observations,
                 })
             }
-            Err(error) => json!({ "id": point.id, "photos": point.photos, "error": error.to_string() }),
+            Err(error) => json!({ "id": point.id, "photos": point.photos, "error": error }),
         })
         .collect();
     serde_json::to_string_pretty(&list).map_err(|e| anyhow!(e))

@@ -17,6 +17,7 @@
 pub mod adjust;
 pub mod block;
 pub mod convert;
+mod draft;
 pub mod intersect;
 pub mod lookup;
 mod obj;
@@ -25,6 +26,7 @@ mod photograph;
 mod picture;
 pub mod project;
 mod protocol;
+mod reason;
 pub mod rectify;
 pub mod render;
 pub mod reproject;

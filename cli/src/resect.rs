@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use anyhow::{Result, anyhow, bail};
+use collinear::Error;
 use collinear::adjust::{
     CRITICAL_VALUE, ControlPoint, ObservationReport, Precision, Report, Resection,
     ResectionOptions, Unknown, resect, resect_robust,
 };
 use collinear::camera::{Adjustable, Brown, BrownCamera, CentralModel, Frame, Held};
+use collinear::error::Brief;
 use collinear::nalgebra::{Point2, Point3};
 use collinear::numeric::consensus::ConsensusOptions;
 use collinear_io::camera::{CameraFile, Exterior, Interior};
@@ -16,6 +18,7 @@ use collinear_io::convert::Camera;
 use serde_json::{Value, json};
 
 use crate::protocol::{Table, decimals_for, fixed, number, rows};
+use crate::reason::reason;
 use crate::residuals::Vector;
 
 /// What is estimated beside the pose.
@@ -32,6 +35,25 @@ pub enum Estimated {
 }
 
 impl Estimated {
+    /// The word for it on the command line.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::PrincipalDistance => "distance",
+            Self::PrincipalPoint => "point",
+            Self::Radial(0) => "k1",
+            Self::Radial(1) => "k2",
+            Self::Radial(_) => "k3",
+            Self::Decentering => "p",
+        }
+    }
+
+    /// The first that a list chooses twice.
+    #[must_use]
+    pub fn twice(list: &[Self]) -> Option<Self> {
+        (1..list.len()).find(|i| list[..*i].contains(&list[*i])).map(|i| list[i])
+    }
+
     /// The unknowns, for a model whose interior orientation is the group of this number.
     #[must_use]
     pub fn unknowns(self, interior: usize) -> Vec<Unknown> {
@@ -177,6 +199,20 @@ pub fn run(file: &CameraFile, rows: &[ControlRow], options: &Options) -> Result<
     }
 }
 
+/// Why no pose was found among wrong points; where the bound is so wide that chance explains any agreement, that too.
+fn no_consensus(error: &Error, threshold: f64, options: &Options, file: &CameraFile) -> String {
+    let text = reason(error);
+    let pixels = threshold * options.sigma;
+    let wide = pixels > 0.05 * f64::from(file.width.max(file.height));
+    if wide && matches!(error, Error::NoConsensus { .. }) {
+        return format!(
+            "{text}: within {} px, {threshold} standard deviations, points agree by chance",
+            Brief(pixels)
+        );
+    }
+    text
+}
+
 /// Back to the interior orientation of a file: as it was, or as Brown's where it was estimated.
 fn as_brown(file: &CameraFile) -> impl Fn(&Frame<BrownCamera>) -> Interior {
     let [width, height] = [file.width, file.height];
@@ -223,11 +259,15 @@ fn adjusted<C: CentralModel + Adjustable + Clone>(
         ..ResectionOptions::default()
     };
     let (found, used): (Resection<Frame<C>>, Vec<bool>) = match options.robust {
-        None => (resect(camera, &control, &how)?, vec![true; control.len()]),
+        None => {
+            let found = resect(camera, &control, &how).map_err(|e| anyhow!(reason(&e)))?;
+            (found, vec![true; control.len()])
+        }
         Some(threshold) => {
             let seed = options.seed;
             let consensus = ConsensusOptions { threshold, seed, ..ConsensusOptions::default() };
-            let found = resect_robust(camera, &control, &consensus, &how)?;
+            let found = resect_robust(camera, &control, &consensus, &how);
+            let found = found.map_err(|e| anyhow!(no_consensus(&e, threshold, options, file)))?;
             (found.resection, found.inliers)
         }
     };

@@ -119,20 +119,46 @@ fn what_is_wrong_is_said() {
     folder
         .write("block.txt", &good)
         .write("cut.txt", &good[..good.len() / 2])
+        .write("end.txt", good.replacen("2 8 16", "2 9 16", 1))
         .write("few.txt", "1 1 1\n0 0 1 1\n0 0 0 0 0 -10 1000 0 0\n0 0 0\n")
         .write("nan.txt", good.replacen("1000 0 0", "NaN 0 0", 1))
         .write("zero.txt", good.replacen("1000 0 0", "0 0 0", 1))
         .write("rec.json", "[]");
     for (arguments, code, message) in [
         (&["none.txt"][..], 1, "none.txt: cannot be read"),
-        (&["cut.txt"], 1, "cut.txt: "),
-        (&["few.txt"], 1, "few.txt: "),
-        (&["nan.txt"], 1, "nan.txt: "),
-        (&["zero.txt"], 1, "zero.txt: principal distance is 0, expected more than 0"),
+        (
+            &["cut.txt"],
+            1,
+            "cut.txt: line 13: the file ends, expected the camera of observation 12 (of 16)",
+        ),
+        (
+            &["end.txt"],
+            1,
+            "end.txt: line 27: the file ends, expected the coordinates of point 8 (of 9)",
+        ),
+        (
+            &["few.txt"],
+            1,
+            "few.txt: no photograph has 3 image points of points that another shows too; photograph 0 has most, 0",
+        ),
+        (&["nan.txt"], 1, "nan.txt: line 18: f, k1, k2 of camera 0 (of 2) is `NaN`"),
+        (&["zero.txt"], 1, "zero.txt: camera 0: principal distance is 0, expected more than 0"),
         (&["rec.json"], 1, "rec.json: is OpenSfM's: give its tracks (--tracks)"),
         (&["block.txt", "--estimate", "k9"], 2, "--estimate: `k9` is none of distance"),
         (&["block.txt", "--loss", "huber"], 2, "expected a name and a scale, as huber:2"),
         (&["block.txt", "--loss", "hubert:2"], 2, "`hubert` is none of huber"),
+        (&["block.txt", "--estimate", "k1,distance,k1"], 2, "--estimate: `k1` is chosen twice"),
+        (
+            &["block.txt", "--sigma", "-1"],
+            2,
+            "'--sigma <PIXELS>': expected a finite number above 0",
+        ),
+        (&["block.txt", "--iterations", "-1"], 2, "invalid value '-1' for '--iterations"),
+        (
+            &["block.txt", "--svg", "r.svg", "--exaggeration", "1e9"],
+            2,
+            "expected a number from 0.001 to 1000000",
+        ),
         (&["block.txt", "-o", "block.txt"], 2, "block.txt"),
         (
             &["block.txt", "--svg", "r.svg", "--photo", "7"],
@@ -168,4 +194,159 @@ fn a_file_of_an_input_folder_is_no_output() {
         assert!(run.stderr.contains("is a file of model"), "{}", run.stderr);
     }
     assert_eq!(folder.text("model/cameras.txt"), "# 1\n");
+}
+
+#[test]
+fn outputs_are_all_new_or_all_old() {
+    let folder = Folder::new();
+    folder.write("block.txt", problem()).write("out.txt", "old");
+    std::fs::create_dir(folder.path("r.svg")).unwrap();
+    let arguments = ["adjust", "block.txt", "--estimate", "none", "-o", "out.txt"];
+    let run = folder.run(&[&arguments[..], &["--svg", "r.svg"]].concat());
+    assert_eq!(run.code, 1, "{run:?}");
+    assert!(run.stderr.contains("r.svg") && run.stdout.is_empty(), "{run:?}");
+    assert_eq!(folder.text("out.txt"), "old");
+    // Nothing is left beside them.
+    assert_eq!(std::fs::read_dir(folder.path(".")).unwrap().count(), 3);
+}
+
+#[test]
+fn photographs_with_too_few_image_points_are_left_out_by_name() {
+    let folder = Folder::new();
+    // A third photograph without any image point, a fourth with two, of which one is of a point that nothing else shows.
+    let good = problem();
+    let mut lines: Vec<String> = good.lines().map(str::to_owned).collect();
+    lines[0] = "4 9 18".into();
+    let idle = ["0 0 0 5 0 -10 1000 0 0", "0 0 0 -1 0 -10 1000 0 0"].map(str::to_owned);
+    lines.splice(17..17, ["3 0 -100 0".to_owned(), "3 8 0 0".to_owned()]);
+    lines.splice(21..21, idle);
+    lines.push("1 0 0".into());
+    folder.write("block.txt", lines.join("\n") + "\n");
+    let arguments = ["adjust", "block.txt", "--estimate", "none", "-o", "out.txt"];
+    let run = folder.succeed(&arguments);
+    for line in [
+        "left out         photograph 2: 0 image points that can take part, 3 needed",
+        "left out         photograph 3: 1 image points that can take part, 3 needed",
+        "photographs      2, cameras 2, points 9, image points 16",
+    ] {
+        assert!(run.stdout.contains(line), "{}", run.stdout);
+    }
+    assert!(run.stderr.contains("photograph 3 is left out"), "{}", run.stderr);
+    let written = folder.text("out.txt");
+    let written: Vec<&str> = written.lines().collect();
+    // After 18 observations nine lines for each camera: those left out are as they were.
+    let camera = |i: usize| written[19 + 9 * i..28 + 9 * i].join(" ");
+    assert_eq!(camera(2), "0 0 0 5 0 -10 1000 0 0");
+    assert_eq!(camera(3), "0 0 0 -1 0 -10 1000 0 0");
+    assert_ne!(camera(1), "0.001 0 0 -2.05 0.02 -10 1000 0 0");
+
+    let json = folder.succeed(&[&arguments[..], &["--json"]].concat()).stdout;
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(
+        json["left_out_photographs"],
+        serde_json::json!([
+            { "name": "2", "image_points": 0 }, { "name": "3", "image_points": 1 }
+        ])
+    );
+    assert_eq!(json["conditions"], 7);
+    assert!(json["final_cost"].as_f64().unwrap() < 1e-15);
+}
+
+#[test]
+fn image_points_that_take_no_part_have_their_reason() {
+    let folder = Folder::new();
+    // Point 8 has one ray; point 9 lies behind both cameras.
+    let mut lines: Vec<String> = problem().lines().map(str::to_owned).collect();
+    lines[0] = "2 10 19".into();
+    let more = ["0 8 10 20", "0 9 0 0", "1 9 0 0"].map(str::to_owned);
+    lines.splice(17..17, more);
+    lines.extend(["1 0 0".to_owned(), "0 0 20".to_owned()]);
+    folder.write("block.txt", lines.join("\n"));
+    let run = folder.succeed(&["adjust", "block.txt", "--estimate", "none", "--json"]);
+    let json: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(json["left_out"], 3);
+    let reasons: Vec<(&str, &str, &str)> = json["left_out_image_points"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|e| {
+            let text = |name: &str| e[name].as_str().unwrap();
+            (text("photograph"), text("point"), text("reason"))
+        })
+        .collect();
+    assert_eq!(
+        reasons,
+        [("0", "8", "single_ray"), ("0", "9", "behind_camera"), ("1", "9", "behind_camera")]
+    );
+    // y is down in the pixels of this program.
+    assert_eq!(json["left_out_image_points"][0]["image"], serde_json::json!([10.0, -20.0]));
+}
+
+/// The same block as COLMAP's folder: y down, principal point (500, 400); the cameras of the model look along +z from z = −10.
+fn colmap(folder: &Folder, name: &str, camera: &str) {
+    std::fs::create_dir(folder.path(name)).unwrap();
+    let points = [
+        [0.0, 0.0, 0.0],
+        [1.0, 1.0, 0.5],
+        [2.0, -1.0, 1.0],
+        [0.0, 2.0, 2.0],
+        [1.0, -2.0, 0.0],
+        [2.0, 2.0, 1.5],
+        [-1.0, 1.0, 1.0],
+        [3.0, 0.5, 0.0],
+    ];
+    let mut images = String::new();
+    let mut list = String::new();
+    for (number, (xc, start)) in [(0.0, 0.0), (2.0, -2.05)].into_iter().enumerate() {
+        images += &format!("{} 1 0 0 0 {start} 0 10 1 view{number}.jpg\n", number + 1);
+        for (i, [x, y, z]) in points.iter().enumerate() {
+            let depth = 10.0 + z;
+            images += &format!(
+                "{} {} {} ",
+                500.0 + 1000.0 * (x - xc) / depth,
+                400.0 + 1000.0 * y / depth,
+                i + 1
+            );
+        }
+        images += "\n";
+    }
+    for (i, [x, y, z]) in points.iter().enumerate() {
+        list += &format!("{} {x} {y} {z} 1 2 3 0.1 1 {i} 2 {i}\n", i + 1);
+    }
+    folder
+        .write(&format!("{name}/cameras.txt"), camera)
+        .write(&format!("{name}/images.txt"), images)
+        .write(&format!("{name}/points3D.txt"), list);
+}
+
+#[test]
+fn colmaps_cameras_keep_their_model() {
+    let folder = Folder::new();
+    for (number, (parameters, estimate, model)) in [
+        ("SIMPLE_PINHOLE 1000 800 1000 500 400", "none", "SIMPLE_PINHOLE"),
+        ("PINHOLE 1000 800 1000 1000 500 400", "none", "PINHOLE"),
+        ("SIMPLE_RADIAL 1000 800 1000 500 400 0.001", "distance,k1", "SIMPLE_RADIAL"),
+        ("RADIAL 1000 800 1000 500 400 0.001 0", "k1", "RADIAL"),
+        ("OPENCV 1000 800 1000 1000 500 400 0 0 0 0", "k1", "OPENCV"),
+        // Where the model has not what was estimated, one that has.
+        ("SIMPLE_PINHOLE 1000 800 1000 500 400", "k1", "OPENCV"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (from, to) = (format!("in{number}"), format!("out{number}"));
+        colmap(&folder, &from, &format!("1 {parameters}\n"));
+        folder.succeed(&["adjust", &from, "--estimate", estimate, "--no-quality", "-o", &to]);
+        let text = folder.text(&format!("{to}/cameras.txt"));
+        let line = text.lines().find(|l| !l.starts_with('#')).unwrap();
+        let words: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!(words[1], model, "{text}");
+        let before = parameters.split_whitespace().count();
+        assert!(words.len() == before + 1 || model != words[1] || model == "OPENCV", "{text}");
+    }
+    // Exact measurements: the distortion that they start with is found away.
+    let text = folder.text("out3/cameras.txt");
+    let line = text.lines().find(|l| !l.starts_with('#')).unwrap();
+    let k1: f64 = line.split_whitespace().nth(7).unwrap().parse().unwrap();
+    assert!(k1.abs() < 1e-7, "{text}");
 }

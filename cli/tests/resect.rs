@@ -93,6 +93,7 @@ fn the_protocol_is_a_table() {
 fn what_is_wrong_is_said() {
     let folder = folder();
     folder
+        .write("one.csv", "0,0,0,1,1\n")
         .write("three.csv", "0,0,0,1,1\n1,0,0,2,1\n0,1,0,1,2\n")
         .write("line.csv", "0,0,0,1,1\n1,1,1,2,2\n2,2,2,3,3\n3,3,3,4,4\n5,5,5,6,6\n")
         .write("twice.csv", "X,Y,Z,x,y,x\n")
@@ -110,7 +111,7 @@ fn what_is_wrong_is_said() {
         (
             &["line.csv", "-c", "camera.json"],
             1,
-            "line.csv: resection: control points on a line is degenerate",
+            "line.csv: degenerate: control points on a line (measure ",
         ),
         (
             &["twice.csv", "-c", "camera.json"],
@@ -138,6 +139,32 @@ fn what_is_wrong_is_said() {
             1,
             "control.csv: 4 points given, 6 needed",
         ),
+        (
+            &["control.csv", "-c", "camera.json", "--estimate", "k1,p,k1"],
+            2,
+            "--estimate: `k1` is chosen twice",
+        ),
+        (
+            &["control.csv", "-c", "camera.json", "--sigma", "-1"],
+            2,
+            "'--sigma <PIXELS>': expected a finite number above 0",
+        ),
+        (
+            &["control.csv", "-c", "camera.json", "--robust", "1e9"],
+            2,
+            "'--robust [<SIGMAS>]': expected a number from 0.1 to 1000",
+        ),
+        (
+            &["control.csv", "-c", "camera.json", "--robust", "-3"],
+            2,
+            "'--robust [<SIGMAS>]': expected a number from 0.1 to 1000",
+        ),
+        (
+            &["control.csv", "-c", "camera.json", "--robust", "1000", "--sigma", "10"],
+            1,
+            "within 10000 px, 1000 standard deviations, points agree by chance",
+        ),
+        (&["one.csv", "-c", "camera.json"], 1, "one.csv: 1 point given, 4 needed"),
         (&["control.csv", "-c", "camera.json", "-o", "camera.json"], 2, "camera.json"),
         (&["none.csv", "-c", "camera.json"], 1, "none.csv: cannot be read"),
     ] {
@@ -146,6 +173,26 @@ fn what_is_wrong_is_said() {
         assert!(run.stderr.contains(message), "{arguments:?}: {}", run.stderr);
         assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
     }
+}
+
+#[test]
+fn outputs_are_all_new_or_all_old() {
+    let folder = folder();
+    folder.write("out.json", "old");
+    std::fs::create_dir(folder.path("r.svg")).unwrap();
+    let run = folder.run(&[
+        "resect",
+        "control.csv",
+        "-c",
+        "camera.json",
+        "-o",
+        "out.json",
+        "--svg",
+        "r.svg",
+    ]);
+    assert_eq!(run.code, 1, "{run:?}");
+    assert!(run.stderr.contains("r.svg") && run.stdout.is_empty(), "{run:?}");
+    assert_eq!(folder.text("out.json"), "old");
 }
 
 /// Two cameras that look down from 500, 100 apart: c = 1000, the normal case of stereo photogrammetry.

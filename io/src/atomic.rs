@@ -42,7 +42,56 @@ where
     replace(path, write).map_err(|error| error.in_file(path))
 }
 
+/// Writes several files so that all of them are new, or none.
+///
+/// Each is written whole beside its place, as by [`write_atomically`]; only then do they take their names, in this order. What is wrong with
+/// a path, and a disk that is full, leaves all of them as they were.
+///
+/// ```
+/// use collinear_io::write_together;
+///
+/// let folder = tempfile::tempdir()?;
+/// let [first, second] = ["a.txt", "b.txt"].map(|name| folder.path().join(name));
+/// std::fs::create_dir(&second)?;
+/// let failed = write_together(&[(first.clone(), b"1".to_vec()), (second, b"2".to_vec())]);
+/// assert!(failed.is_err() && !first.exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`write_atomically`], of the first file that cannot be written.
+pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), Error> {
+    let mut ready = Vec::new();
+    for (path, bytes) in files {
+        let prepared = prepare(path, |w| w.write_all(bytes)).map_err(|e| e.in_file(path))?;
+        ready.push((path, prepared));
+    }
+    ready.into_iter().try_for_each(|(path, file)| file.put().map_err(|e| e.in_file(path)))
+}
+
 fn replace<F>(path: &Path, write: F) -> Result<(), Error>
+where
+    F: FnOnce(&mut dyn Write) -> io::Result<()>,
+{
+    prepare(path, write)?.put()
+}
+
+/// A file that is whole and on the disk, but not yet in its place.
+#[derive(Debug)]
+struct Prepared {
+    temporary: Temporary,
+    target: PathBuf,
+}
+
+impl Prepared {
+    fn put(self) -> Result<(), Error> {
+        self.temporary.rename_to(&self.target).map_err(ErrorKind::Write)?;
+        sync_folder(&self.target);
+        Ok(())
+    }
+}
+
+fn prepare<F>(path: &Path, write: F) -> Result<Prepared, Error>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {
@@ -56,10 +105,7 @@ where
         file.set_permissions(permissions).map_err(ErrorKind::Write)?;
     }
     file.sync_all().map_err(ErrorKind::Write)?;
-    drop(file);
-    temporary.rename_to(&target).map_err(ErrorKind::Write)?;
-    sync_folder(&target);
-    Ok(())
+    Ok(Prepared { temporary, target })
 }
 
 /// The file behind any links, and its permissions if it exists.

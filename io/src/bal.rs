@@ -197,22 +197,25 @@ impl Bal {
             points: Vec::with_capacity(points.min(MOST_AHEAD)),
             observations: Vec::with_capacity(observations.min(MOST_AHEAD)),
         };
-        for _ in 0..observations {
-            let camera: u32 = words.parsed("camera of an observation")?;
+        for i in 0..observations {
+            words.enter("observation", i, observations);
+            let camera: u32 = words.parsed("camera")?;
             known("observation", "a camera", camera as usize, cameras, words.line())?;
-            let point: u32 = words.parsed("point of an observation")?;
+            let point: u32 = words.parsed("point")?;
             known("observation", "a point", point as usize, points, words.line())?;
             let image = words.numbers("image point")?;
             bal.observations.push(Observation { camera, point, image });
         }
-        for _ in 0..cameras {
+        for i in 0..cameras {
+            words.enter("camera", i, cameras);
             let rotation = words.numbers("rotation vector")?;
             let translation = words.numbers("t")?;
             let [focal, k1, k2] = words.numbers("f, k1, k2")?;
             bal.cameras.push(Camera { rotation, translation, focal, k: [k1, k2] });
         }
-        for _ in 0..points {
-            bal.points.push(words.numbers("point")?);
+        for i in 0..points {
+            words.enter("point", i, points);
+            bal.points.push(words.numbers("coordinates")?);
         }
         if words.rest().is_some() {
             let problem = LineProblem::FieldCount { found: 1, expected: 0 };

@@ -83,11 +83,26 @@ pub(crate) struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     words: SplitWhitespace<'a>,
     line: usize,
+    /// What the words belong to: its kind, its number and how many there are.
+    entry: Option<(&'static str, usize, usize)>,
 }
 
 impl<'a> Words<'a> {
     pub(crate) fn new(text: &'a str) -> Self {
-        Self { lines: text.lines().enumerate(), words: "".split_whitespace(), line: 1 }
+        Self { lines: text.lines().enumerate(), words: "".split_whitespace(), line: 1, entry: None }
+    }
+
+    /// What the next words belong to: entry `number`, from 0, of `count`.
+    pub(crate) fn enter(&mut self, kind: &'static str, number: usize, count: usize) {
+        self.entry = Some((kind, number, count));
+    }
+
+    /// A word's name with what it belongs to.
+    fn named(&self, name: &str) -> String {
+        match self.entry {
+            Some((kind, number, count)) => format!("{name} of {kind} {number} (of {count})"),
+            None => name.to_owned(),
+        }
     }
 
     /// The line of the last word, from 1.
@@ -107,14 +122,17 @@ impl<'a> Words<'a> {
             }
             match self.lines.next() {
                 Some((line, text)) => (self.line, self.words) = (line + 1, text.split_whitespace()),
-                None => return Err(self.not_a_number(name, "")),
+                None => {
+                    let problem = LineProblem::EndsEarly { name: self.named(name) };
+                    return Err(ErrorKind::Line { line: self.line, column: None, problem }.into());
+                }
             }
         }
     }
 
     fn not_a_number(&self, name: &str, text: &str) -> Error {
         let text = text.chars().take(40).collect();
-        let problem = LineProblem::NotANumber { name: name.into(), text };
+        let problem = LineProblem::NotANumber { name: self.named(name), text };
         ErrorKind::Line { line: self.line, column: None, problem }.into()
     }
 
@@ -201,14 +219,16 @@ impl Bundle {
             cameras: Vec::with_capacity(cameras.min(MOST_AHEAD)),
             points: Vec::with_capacity(points.min(MOST_AHEAD)),
         };
-        for _ in 0..cameras {
+        for i in 0..cameras {
+            words.enter("camera", i, cameras);
             let [focal, k1, k2] = words.numbers("f, k1, k2")?;
             let rotation = [words.numbers("R")?, words.numbers("R")?, words.numbers("R")?];
             let translation = words.numbers("t")?;
             bundle.cameras.push(Camera { focal, k: [k1, k2], rotation, translation });
         }
-        for _ in 0..points {
-            let world = words.numbers("point")?;
+        for i in 0..points {
+            words.enter("point", i, points);
+            let world = words.numbers("coordinates")?;
             let color = [words.parsed("colour")?, words.parsed("colour")?, words.parsed("colour")?];
             let count: usize = words.parsed("number of views")?;
             let mut views = Vec::with_capacity(count.min(MOST_AHEAD));

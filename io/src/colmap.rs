@@ -17,7 +17,7 @@ use collinear::camera::{COLMAP_MODELS, ExteriorOrientation};
 use collinear::geometry::rotation::Quaternion;
 use collinear::nalgebra::Vector3;
 
-use crate::atomic::write_atomically;
+use crate::atomic::write_together;
 use crate::camera::{CameraFile, Exterior, Interior, check_quaternion};
 use crate::error::{Error, ErrorKind, FieldError, FieldProblem};
 use crate::json::{Document, MAX_TEXT_BYTES, read_bytes, read_text};
@@ -216,12 +216,16 @@ impl Reconstruction {
         })
     }
 
-    /// To three files in a folder, which is made; each is written beside its place and renamed.
+    /// The three files of a folder, not yet written: their paths and contents.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode) and [`write_atomically`]; [`ErrorKind::FolderTaken`] where the folder has `rigs` and
-    /// `frames`, whose poses COLMAP takes before those of `images`, or `cameras.bin`, before any text.
-    pub fn write(&self, folder: &Path, encoding: Encoding) -> Result<(), Error> {
+    /// As [`encode`](Self::encode); [`ErrorKind::FolderTaken`] where the folder has `rigs` and `frames`, whose poses COLMAP takes
+    /// before those of `images`, or `cameras.bin`, before any text.
+    pub fn files(
+        &self,
+        folder: &Path,
+        encoding: Encoding,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>, Error> {
         let contents = self.encode(encoding).map_err(|e| e.in_file(folder))?;
         let first: &[&str] = match encoding {
             Encoding::Text => &["cameras.bin", "rigs.txt", "frames.txt"],
@@ -231,11 +235,17 @@ impl Reconstruction {
             let taken = ErrorKind::FolderTaken { file: (*file).to_owned() };
             return Err(Error::from(taken).in_file(folder));
         }
+        Ok(files(folder, encoding).into_iter().zip(contents).collect())
+    }
+
+    /// To three files in a folder, which is made: all of them, or none.
+    ///
+    /// # Errors
+    /// As [`files`](Self::files) and [`write_together`].
+    pub fn write(&self, folder: &Path, encoding: Encoding) -> Result<(), Error> {
+        let files = self.files(folder, encoding)?;
         fs::create_dir_all(folder).map_err(|e| Error::from(ErrorKind::Write(e)).in_file(folder))?;
-        for (path, bytes) in files(folder, encoding).iter().zip(contents) {
-            write_atomically(path, |w| w.write_all(&bytes))?;
-        }
-        Ok(())
+        write_together(&files)
     }
 
     /// Refuses values out of their domain and references to nothing.

@@ -424,6 +424,12 @@ pub enum LineProblem {
         /// What stands there.
         text: String,
     },
+    /// The last line of a file that should have more.
+    #[error("the file ends, expected the {name}")]
+    EndsEarly {
+        /// What should come next.
+        name: String,
+    },
     /// A number that should be above zero.
     #[error("{name} is {text}, expected a number above 0")]
     NotPositive {

@@ -84,7 +84,7 @@ pub mod scanner;
 pub mod scene;
 pub mod sensor;
 
-pub use atomic::write_atomically;
+pub use atomic::{write_atomically, write_together};
 pub use error::{
     BinaryProblem, Error, ErrorKind, FieldError, FieldProblem, GridProblem, LineProblem,
     PictureProblem, RpcProblem,

@@ -91,14 +91,21 @@ fn damage_is_named() {
     };
     let not_a_number =
         |name: &str, text: &str| LineProblem::NotANumber { name: name.into(), text: text.into() };
-    assert_eq!(line(""), (1, not_a_number("number of cameras", "")));
+    let ends = |name: &str| LineProblem::EndsEarly { name: name.into() };
+    assert_eq!(line(""), (1, ends("number of cameras")));
     assert_eq!(line("1 -1 0"), (1, not_a_number("number of points", "-1")));
     assert_eq!(line("1 1 99999999999"), (1, not_a_number("number of observations", "99999999999")));
     // Counts of which nothing follows take no memory.
     assert_eq!(line("4000000000 4000000000 4000000000\n").0, 1);
-    assert_eq!(line("1 1 1\n0 0 NaN 1\n"), (2, not_a_number("image point", "NaN")));
-    assert_eq!(line("1 1 1\n0 0 1 1e999\n"), (2, not_a_number("image point", "1e999")));
-    assert_eq!(line("0 1 0\n1 2\n"), (2, not_a_number("point", "")));
+    assert_eq!(
+        line("1 1 1\n0 0 NaN 1\n"),
+        (2, not_a_number("image point of observation 0 (of 1)", "NaN"))
+    );
+    assert_eq!(
+        line("1 1 1\n0 0 1 1e999\n"),
+        (2, not_a_number("image point of observation 0 (of 1)", "1e999"))
+    );
+    assert_eq!(line("0 1 0\n1 2\n"), (2, ends("coordinates of point 0 (of 1)")));
     assert_eq!(line("0 1 0\n1 2 3\n4\n"), (3, LineProblem::FieldCount { found: 1, expected: 0 }));
     for (text, what, name) in
         [("2 1 1\n2 0 1 1\n", "a camera", "2"), ("2 1 1\n1 1 1 1\n", "a point", "1")]

@@ -206,13 +206,19 @@ fn bundlers_cameras_look_along_minus_z_with_y_up() {
     };
     refuses(&BUNDLE.replace("v0.3", "v0.4"), "line 1: says `# Bundle file v0.4`");
     refuses(&BUNDLE.replace("1 1 9", "1 2 9"), "view in line 15: names a camera `2`");
-    refuses(&BUNDLE.replace("-198 297", "-198"), "line 15: image point is ``");
-    refuses(&BUNDLE.replace("2 1\n0", "99999999999 1\n0"), "is `");
+    refuses(
+        &BUNDLE.replace("-198 297", "-198"),
+        "line 15: the file ends, expected the image point of point 0 (of 1)",
+    );
+    refuses(
+        &BUNDLE.replace("2 1\n0", "99999999999 1\n0"),
+        "the file ends, expected the R of camera 2",
+    );
     refuses(
         &BUNDLE.replace("0 -1 0", "0 -2 0"),
         "camera_1.exterior.rotation_matrix: is no rotation",
     );
-    refuses(&BUNDLE.replace("500", "nan"), "line 8: f, k1, k2 is `nan`");
+    refuses(&BUNDLE.replace("500", "nan"), "line 8: f, k1, k2 of camera 1 (of 2) is `nan`");
     let error = photographs::parse(BUNDLE, None).unwrap_err().to_string();
     assert!(error.contains("does not say how large its pictures are"), "{error}");
     let off = CameraFile { width: 641, ..camera.clone() };

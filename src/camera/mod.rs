@@ -11,6 +11,7 @@
 //!
 #![doc = include_str!("../../docs/figures/camera.svg")]
 
+mod aerial;
 mod central;
 pub mod central_projection;
 mod collinearity;
@@ -32,6 +33,7 @@ use core::fmt::Debug;
 
 use nalgebra::{Matrix2x3, Point2, Point3, Vector3};
 
+pub use aerial::{EarthCurvature, Refraction};
 pub use central::{BrownCamera, CentralCamera, FisheyeCamera};
 pub use central_projection::{
     CentralProjection, Division, DoubleSphere, EnhancedUnified, FieldOfView, Fisheye, Gnomonic,

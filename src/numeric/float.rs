@@ -13,7 +13,7 @@ macro_rules! unary {
         }
     )*};
 }
-unary!(sqrt, sin, floor, ceil, round);
+unary!(sqrt, sin, floor, ceil, round, exp);
 
 /// Natural logarithm.
 #[inline]

@@ -11,6 +11,7 @@
 )]
 
 mod absolute_orientation;
+mod aerial;
 mod affine;
 mod bundle;
 mod camera;

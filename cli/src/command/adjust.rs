@@ -8,10 +8,11 @@ use collinear::numeric::robust_loss::RobustLoss;
 use collinear_cli::adjust::{Options, run};
 use collinear_cli::block::{Block, BlockFile};
 use collinear_cli::resect::Estimated;
+use collinear_io::write_together;
 
-use super::resect::estimated;
+use super::resect::{estimated, once};
 use super::residuals::Residuals;
-use super::{Files, UsageError, in_file, positive, print, with_bar};
+use super::{Files, UsageError, in_file, positive, print, say, with_bar};
 
 /// Adjust a block of photographs: cameras, poses and points from all image points at once
 #[derive(Debug, Args)]
@@ -30,7 +31,7 @@ pub(crate) struct Arguments {
     estimate: Option<String>,
 
     /// Standard deviation of image coordinates, in pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive)]
+    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive, allow_negative_numbers = true)]
     sigma: f64,
 
     /// Give far image points less say: huber, cauchy, tukey or truncated, with its scale in standard deviations
@@ -50,7 +51,7 @@ pub(crate) struct Arguments {
     no_quality: bool,
 
     /// Iterations allowed
-    #[arg(long, value_name = "NUMBER", default_value = "200")]
+    #[arg(long, value_name = "NUMBER", default_value = "200", allow_negative_numbers = true)]
     iterations: u32,
 
     /// The adjusted block to write, in the format it came in (COLMAP: a folder)
@@ -76,7 +77,8 @@ squares.
 What is estimated beside poses and points is said by --estimate; without it the principal distance, k1 \
 and k2 of BAL's and Bundler's cameras, nothing of COLMAP's and OpenSfM's. Photographs that share a \
 camera there share it here. Image points behind their cameras and points with a single ray take no \
-part and are counted.
+part and are counted. A photograph with fewer than three image points that can take part is left out \
+and stays as it is.
 
 The protocol on standard output has the cost (half the sum of squared residuals, or of losses), sigma 0 (1 where the \
 stated precision was right), each camera and photograph with its standard deviations, those of a \
@@ -118,7 +120,13 @@ impl Arguments {
         }
         let file = BlockFile::read(&self.block, self.tracks.as_deref())?;
         let estimate = chosen.unwrap_or_else(|| file.usually_estimated());
-        let block = file.block(&estimate, self.sigma).map_err(|e| in_file(&self.block, e))?;
+        let block =
+            file.block(&estimate, self.sigma, self.formula).map_err(|e| in_file(&self.block, e))?;
+        for idle in &block.idle {
+            let (name, count) = (&idle.name, idle.image_points);
+            let text = "image points that can take part, of 3 needed";
+            say(&format!("photograph {name} is left out: {count} {text}"));
+        }
         let photo = self.photo.as_ref().map(|name| place_of(name, &block)).transpose()?;
         let options = Options {
             estimate,
@@ -132,11 +140,15 @@ impl Arguments {
             .map_err(|e| in_file(&self.block, e))?;
         let camera = photo.map_or(0, |p| block.images[p].1.number());
         let size = block.sizes.get(camera).copied().flatten();
-        self.residuals.draw(size, || outcome.vectors(&block, photo, camera))?;
+        let text =
+            if self.json { outcome.to_json(&block)? + "\n" } else { outcome.to_text(&block) };
+        let mut outputs = Vec::new();
         if let Some(path) = &self.output {
-            file.write(&block, &outcome.adjusted, path)?;
+            outputs = file.adjusted(&block, &outcome.adjusted, path)?;
         }
-        print(&if self.json { outcome.to_json(&block)? + "\n" } else { outcome.to_text(&block) })
+        outputs.extend(self.residuals.draw(size, || outcome.vectors(&block, photo, camera)));
+        write_together(&outputs)?;
+        print(&text)
     }
 
     fn chosen(&self) -> Result<Option<Vec<Estimated>>> {
@@ -144,8 +156,10 @@ impl Arguments {
         if text.trim() == "none" {
             return Ok(Some(vec![]));
         }
-        let list = text.split(',').map(estimated).collect::<Result<_, _>>();
-        list.map(Some).map_err(|e| anyhow!(UsageError(format!("--estimate: {e}"))))
+        let list = text.split(',').map(estimated).collect::<Result<Vec<_>, _>>();
+        let list = list.map_err(|e| UsageError(format!("--estimate: {e}")))?;
+        once(&list)?;
+        Ok(Some(list))
     }
 }
 

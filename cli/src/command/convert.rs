@@ -58,11 +58,11 @@ pub(crate) struct Arguments {
     offset: Option<String>,
 
     /// For matrices and glTF: the depth of the near plane, world units
-    #[arg(long, value_name = "DEPTH", default_value = "0.1", value_parser = positive)]
+    #[arg(long, value_name = "DEPTH", default_value = "0.1", value_parser = positive, allow_negative_numbers = true)]
     near: f64,
 
     /// For matrices and glTF: the depth of the far plane; without it depths have no end
-    #[arg(long, value_name = "DEPTH", value_parser = positive)]
+    #[arg(long, value_name = "DEPTH", value_parser = positive, allow_negative_numbers = true)]
     far: Option<f64>,
 
     /// For RPC: the Cartesian world of a camera or scanner, `geocentric` on WGS84, or LAT,LON,H of the place

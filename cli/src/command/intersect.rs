@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     cameras: Vec<PathBuf>,
 
     /// Standard deviation of image coordinates for which the list states none, in pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive)]
+    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive, allow_negative_numbers = true)]
     sigma: f64,
 
     /// Believe the stated precisions, instead of sigma 0 from the residuals
@@ -80,11 +80,12 @@ impl Arguments {
             run(&list, &rows, self.sigma, self.trust, progress)
         })
         .map_err(|e| in_file(&self.images, e))?;
+        let protocol = if self.json { to_json(&points)? + "\n" } else { to_text(&points) };
         if let Some(path) = &self.output {
             let text = to_csv(&points);
             write_atomically(path, |w| w.write_all(text.as_bytes()))?;
         }
-        print(&if self.json { to_json(&points)? + "\n" } else { to_text(&points) })
+        print(&protocol)
     }
 }
 

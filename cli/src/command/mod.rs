@@ -109,6 +109,14 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number from `least` to `most`.
+pub(crate) fn between(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(v) if (least..=most).contains(&v) => Ok(v),
+        _ => Err(format!("expected a number from {least} to {most}")),
+    }
+}
+
 /// The size of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size {

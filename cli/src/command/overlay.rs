@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     output: PathBuf,
 
     /// The width of lines, pixels; without it 1/800 of the photograph's longer side, at least 1.5
-    #[arg(long, value_name = "PIXELS", value_parser = positive)]
+    #[arg(long, value_name = "PIXELS", value_parser = positive, allow_negative_numbers = true)]
     line_width: Option<f64>,
 
     /// With --plane: cells along each side of the rectangle

@@ -51,7 +51,7 @@ pub(crate) struct Arguments {
     /// Units of the world for each pixel, instead of a size; the rectangle is grown to the right and
     /// downwards to whole pixels
     #[arg(
-        long, value_name = "UNITS", value_parser = positive, conflicts_with = "quad",
+        long, value_name = "UNITS", value_parser = positive, allow_negative_numbers = true, conflicts_with = "quad",
         alias = "units-per-pixel"
     )]
     gsd: Option<f64>,

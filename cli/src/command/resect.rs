@@ -8,9 +8,10 @@ use collinear_cli::resect::{Estimated, Options, run};
 use collinear_io::Document;
 use collinear_io::camera::CameraFile;
 use collinear_io::control::read_control;
+use collinear_io::write_together;
 
 use super::residuals::Residuals;
-use super::{Files, in_file, positive, print};
+use super::{Files, UsageError, between, in_file, positive, print};
 
 /// Find where a photograph was taken, from points whose places are known
 #[derive(Debug, Args)]
@@ -33,7 +34,7 @@ pub(crate) struct Arguments {
     estimate: Vec<Estimated>,
 
     /// Standard deviation of image coordinates for which the list states none, in pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive)]
+    #[arg(long, value_name = "PIXELS", default_value = "1", value_parser = positive, allow_negative_numbers = true)]
     sigma: f64,
 
     /// Believe the stated precisions, instead of sigma 0 from the residuals
@@ -41,11 +42,17 @@ pub(crate) struct Arguments {
     trust: bool,
 
     /// Search for wrong points first; a point with a residual of more standard deviations is left out
-    #[arg(long, value_name = "SIGMAS", num_args = 0..=1, default_missing_value = "3", value_parser = positive)]
+    #[arg(long, value_name = "SIGMAS", num_args = 0..=1, default_missing_value = "3", value_parser = sigmas, allow_negative_numbers = true)]
     robust: Option<f64>,
 
     /// Start of the random sequence of --robust
-    #[arg(long, value_name = "NUMBER", default_value = "0", requires = "robust")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value = "0",
+        requires = "robust",
+        allow_negative_numbers = true
+    )]
     seed: u64,
 
     #[command(flatten)]
@@ -54,6 +61,19 @@ pub(crate) struct Arguments {
     /// The protocol as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Beyond these a point is either always or never wrong.
+fn sigmas(text: &str) -> Result<f64, String> {
+    between(text, 0.1, 1000.0)
+}
+
+/// Refuses a list that chooses something twice, and says what.
+pub(super) fn once(list: &[Estimated]) -> Result<(), UsageError> {
+    match Estimated::twice(list) {
+        Some(twice) => Err(UsageError(format!("--estimate: `{}` is chosen twice", twice.word()))),
+        None => Ok(()),
+    }
 }
 
 pub(super) fn estimated(text: &str) -> Result<Estimated, String> {
@@ -94,6 +114,7 @@ input too.";
 
 impl Arguments {
     pub(crate) fn run(&self) -> Result<()> {
+        once(&self.estimate)?;
         let mut files = Files::default();
         if let Some(path) = &self.output {
             files.output("the camera to write (-o)", path)?;
@@ -111,12 +132,15 @@ impl Arguments {
             trust: self.trust,
         };
         let outcome = run(&camera, &rows, &options).map_err(|e| in_file(&self.control, e))?;
+        let text = if self.json { outcome.to_json()? + "\n" } else { outcome.to_text() };
+        let mut outputs = Vec::new();
         if let Some(path) = &self.output {
-            outcome.camera.write(path)?;
+            let camera = outcome.camera.to_json().map_err(|e| e.in_file(path))?;
+            outputs.push((path.clone(), camera.into_bytes()));
         }
         let size = [outcome.camera.width, outcome.camera.height];
-        self.residuals.draw(Some(size), || outcome.vectors())?;
-        let text = if self.json { outcome.to_json()? + "\n" } else { outcome.to_text() };
+        outputs.extend(self.residuals.draw(Some(size), || outcome.vectors()));
+        write_together(&outputs)?;
         print(&text)
     }
 }

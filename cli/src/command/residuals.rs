@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
 use clap::Args;
 use collinear_cli::residuals::{Sheet, Vector, fitting_exaggeration, to_svg};
-use collinear_io::write_atomically;
 
-use super::{Files, UsageError, positive};
+use super::{Files, UsageError, between};
 
 /// Whether and how the residuals are drawn.
 #[derive(Debug, Args)]
@@ -17,7 +15,7 @@ pub(crate) struct Residuals {
     svg: Option<PathBuf>,
 
     /// How many times as long the residuals are drawn; without it a round number that suits them
-    #[arg(long, value_name = "TIMES", requires = "svg", value_parser = positive)]
+    #[arg(long, value_name = "TIMES", requires = "svg", value_parser = times, allow_negative_numbers = true)]
     exaggeration: Option<f64>,
 }
 
@@ -30,17 +28,21 @@ impl Residuals {
         }
     }
 
-    /// Writes the picture, where it is wanted; `size` is the photograph's, where it is known.
+    /// The picture to write, where it is wanted; `size` is the photograph's, where it is known.
     pub(crate) fn draw(
         &self,
         size: Option<[u32; 2]>,
         vectors: impl FnOnce() -> Vec<Vector>,
-    ) -> Result<()> {
-        let Some(path) = &self.svg else { return Ok(()) };
+    ) -> Option<(PathBuf, Vec<u8>)> {
+        let path = self.svg.as_ref()?;
         let vectors = vectors();
         let sheet = size.map_or_else(|| Sheet::around(&vectors), Sheet::of_picture);
         let times = self.exaggeration.unwrap_or_else(|| fitting_exaggeration(&vectors, &sheet));
-        let svg = to_svg(&vectors, &sheet, times);
-        Ok(write_atomically(path, |w| w.write_all(svg.as_bytes()))?)
+        Some((path.clone(), to_svg(&vectors, &sheet, times).into_bytes()))
     }
+}
+
+/// Longer or shorter vectors are not seen.
+fn times(text: &str) -> Result<f64, String> {
+    between(text, 0.001, 1e6)
 }

@@ -63,7 +63,59 @@ pub(crate) fn named(model: &str, parameters: &[f64], size: [u32; 2]) -> Option<I
     }
 }
 
+/// The models that are perspectives: each has those of the parameters below that its own names say.
+const PERSPECTIVES: [&str; 6] =
+    ["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV"];
+const PARAMETERS: [&str; 12] =
+    ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
+
+/// A perspective's parameter by its model's name: where it stands among [`PARAMETERS`]; f is both principal distances.
+fn places(name: &str) -> Vec<usize> {
+    let names: &[&str] = match name {
+        "f" => &["fx", "fy"],
+        "k" => &["k1"],
+        name => &[name],
+    };
+    names.iter().filter_map(|n| PARAMETERS.iter().position(|p| p == n)).collect()
+}
+
 impl Camera {
+    /// The same camera by another of COLMAP's perspective models, where that has all of its parameters.
+    ///
+    /// ```
+    /// use collinear_io::colmap::Camera;
+    ///
+    /// let parameters = vec![611.0, 611.0, 512.0, 384.0, -0.1, 0.0, 0.0, 0.0];
+    /// let camera = Camera { model: "OPENCV", width: 1024, height: 768, parameters };
+    /// let simple = camera.in_model("SIMPLE_RADIAL").ok_or("there")?;
+    /// assert_eq!((simple.model, simple.parameters), ("SIMPLE_RADIAL", vec![611.0, 512.0, 384.0, -0.1]));
+    /// assert_eq!(camera.in_model("PINHOLE"), None); // has no k1
+    /// # Ok::<(), &str>(())
+    /// ```
+    #[must_use]
+    pub fn in_model(&self, model: &str) -> Option<Self> {
+        let known =
+            |name: &str| COLMAP_MODELS.iter().find(|(n, _)| *n == name && PERSPECTIVES.contains(n));
+        let ((_, from), (model, to)) = (known(self.model)?, known(model)?);
+        let mut values = [0.0; PARAMETERS.len()];
+        for (name, value) in from.iter().zip(&self.parameters) {
+            for place in places(name) {
+                values[place] = *value;
+            }
+        }
+        let parameters: Option<Vec<f64>> =
+            to.iter().map(|name| places(name).first().map(|place| values[*place])).collect();
+        let there = Self { model, width: self.width, height: self.height, parameters: parameters? };
+        // What the other model says again must be all that there was.
+        let mut again = [0.0; PARAMETERS.len()];
+        for (name, value) in to.iter().zip(&there.parameters) {
+            for place in places(name) {
+                again[place] = *value;
+            }
+        }
+        (again == values).then_some(there)
+    }
+
     /// The COLMAP model of a camera file.
     pub(super) fn from_file(file: &CameraFile) -> Result<Self, FieldError> {
         let refused = |expected| {
