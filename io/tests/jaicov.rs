@@ -28,6 +28,27 @@ fn table(path: &Path) -> Vec<Vec<f64>> {
     text.lines().filter_map(line).filter(|l| !l.is_empty()).collect()
 }
 
+/// The protocol's standard deviations of the projection centres: lines of photograph, camera, X, Y, Z, their deviations, rays.
+fn centre_deviations(path: &Path) -> Vec<(u32, [f64; 3])> {
+    let mut bytes = Vec::new();
+    let file = std::fs::read(path).unwrap();
+    flate2::read::GzDecoder::new(&file[..]).read_to_end(&mut bytes).unwrap();
+    let mut text = String::new();
+    let mut in_tag = false;
+    for c in bytes.into_iter().map(char::from) {
+        match c {
+            '<' => in_tag = true,
+            '>' => (in_tag, text) = (false, text + " "),
+            c if !in_tag => text.push(c),
+            _ => {}
+        }
+    }
+    let section = text.split("Objektpunkte ***").next().unwrap();
+    let row = |l: &str| l.split_whitespace().map(|w| w.parse().ok()).collect::<Option<Vec<f64>>>();
+    let nine = section.lines().filter_map(row).filter(|r| r.len() == 9 && r[1] == 1.0);
+    nine.map(|r| (r[0] as u32, [r[5], r[6], r[7]])).collect()
+}
+
 /// Radius of no radial distortion, mm.
 const BALANCE: f64 = 13.488;
 /// Affinity and shear, held.
@@ -121,21 +142,27 @@ fn a_protocol_is_reproduced() {
     let of_lens = by * block * by.transpose();
     let sigma = |v: f64| v.sqrt();
     let principal = model.interior().principal_point();
+    // B₁ = p₂ f/c², B₂ = −p₁ f/c².
+    let (tangential, by_p) = (model.distortion().decentering(), found[0] / (c * c));
     let figures = [
         (c, sigma(of_lens.m11), 28.785_07, 2.513_178e-4),
         (principal.x, sigma(covariance[(1, 1)]), 1.734_892e-2, 3.441_658e-4),
         (-principal.y, sigma(covariance[(2, 2)]), 5.668_731e-2, 3.262_600e-4),
         (a1, sigma(of_lens.m22), -1.096_069e-4, 2.978_787e-8),
         (a2, sigma(of_lens.m33), 1.495_660e-7, 7.655_524e-11),
+        (tangential[1] * by_p, by_p * sigma(covariance[(6, 6)]), 5.798_428e-6, 1.190_972e-7),
+        (-tangential[0] * by_p, by_p * sigma(covariance[(5, 5)]), -8.644_540e-6, 1.043_919e-7),
     ];
     // Its iteration ended a tenth of a standard deviation from the minimum.
     for (value, sigma, expected, expected_sigma) in figures {
         assert!((value - expected).abs() < 0.2 * expected_sigma, "{value} {expected}");
         assert!((sigma / expected_sigma - 1.0).abs() < 0.002, "{sigma} {expected_sigma}");
     }
-    // Object points: four decimals are printed.
-    let (mut off, mut count, mut worst) = (0.0_f64, 0, 0.0_f64);
-    for (point, row) in points.values() {
+    // Four decimals are printed. Of photographs 48 and 54, with five rays each, the protocol has residuals whose squares sum to
+    // more than the minimum's, some zero and some of 7 σ: it weighed them otherwise. They and their points differ, nothing else.
+    let odd = [12, 27, 41, 46, 49, 60, 85];
+    let (mut off, mut count, mut worst, mut worst_odd) = (0.0_f64, 0, 0.0_f64, 0.0_f64);
+    for (number, (point, row)) in &points {
         let covariance = report.point_covariance(*point).unwrap();
         if row[7] == 0.0 || covariance.norm() == 0.0 {
             continue;
@@ -144,12 +171,25 @@ fn a_protocol_is_reproduced() {
         let place = Point3::new(row[1], row[2], row[3]);
         off = off.max((adjusted.point(*point).unwrap() - place).norm());
         for axis in 0..3 {
-            let found = covariance[(axis, axis)].sqrt();
-            worst = worst.max((found - row[4 + axis]).abs());
+            let apart = (covariance[(axis, axis)].sqrt() - row[4 + axis]).abs();
+            let worst = if odd.contains(number) { &mut worst_odd } else { &mut worst };
+            *worst = worst.max(apart);
         }
     }
     assert_eq!(count, 150);
-    assert!(worst < 4e-4, "{worst}");
+    assert!(worst < 5.1e-5 && worst_odd < 3.2e-4, "{worst} {worst_odd}");
+    let (mut count, mut apart) = (0, 0.0_f64);
+    for (number, printed) in centre_deviations(&folder.join("example.htm.gz")) {
+        let covariance = report.image_covariance(images[&number]).unwrap();
+        for axis in 0..3 {
+            let off = (covariance[(axis, axis)].sqrt() - printed[axis]).abs();
+            if ![48, 54].contains(&number) {
+                apart = apart.max(off / printed[axis]);
+            }
+        }
+        count += 1;
+    }
+    assert!(count == 115 && apart < 0.005, "{count} {apart}");
     // The place of a free block is that it started from, to what its shape changed.
     assert!(off < 0.01, "{off}");
 }

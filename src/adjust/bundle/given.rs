@@ -53,12 +53,8 @@ impl Attitude {
 fn left_jacobian_inverse(phi: &Vector3<f64>) -> Matrix3<f64> {
     let (cross, squared) = (phi.cross_matrix(), phi.norm_squared());
     let half = 0.5 * squared.sqrt();
-    // 1 − x cot x = x²/3 + x⁴/45 + …, x = θ/2.
-    let factor = if half < 1e-3 {
-        1.0 / 12.0 + squared / 720.0
-    } else {
-        (1.0 - half / half.tan()) / squared
-    };
+    // 1 − x cot x = x²/3 + x⁴/45 + …, x = θ/2; times φ² the rest is below rounding.
+    let factor = if half < 1e-3 { 1.0 / 12.0 } else { (1.0 - half / half.tan()) / squared };
     Matrix3::identity() - cross * 0.5 + cross * cross * factor
 }
 
