@@ -1,7 +1,7 @@
 //! One bundle adjustment problem of *Bundle Adjustment in the Large*, adjusted and timed.
 //!
 //! ```text
-//! ba FILE [--threads N] [--json] [--solver dense|iterative] [--camera own|shared|held] [--steps N] [--perturb SEED] [--save OUT]
+//! ba FILE [--threads N] [--json] [--solver dense|sparse|iterative] [--camera own|shared|held] [--steps N] [--perturb SEED] [--save OUT]
 //! ```
 //! Each photograph has a camera of its own with f, k₁ and k₂ unknown; `shared` gives all of them the first camera, `held` leaves the
 //! cameras as they are.
@@ -72,6 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--solver" => {
                 solver = match value()?.as_str() {
                     "dense" => Solver::Dense,
+                    "sparse" => Solver::Sparse,
                     "iterative" => Solver::Iterative,
                     other => return Err(format!("no solver is named {other}").into()),
                 }

@@ -11,8 +11,7 @@
 //!
 //! # Method
 //! Levenberg–Marquardt on exact partial derivatives. Points are eliminated first; what is left is a system of the photographs and
-//! cameras, which is factorised where it is small and solved by preconditioned conjugate gradients where it is not
-//! ([`Solver`]). Memory grows with the number of observations: one block of 3 × 6 numbers each, 3 × (6 + u) where cameras have
+//! cameras, which is factorised as a whole or, where most of its blocks are zero, by those that are not ([`Solver`]). Memory grows with the number of observations: one block of 3 × 6 numbers each, 3 × (6 + u) where cameras have
 //! u unknowns. With the feature `rayon` the work is done on the threads of the caller's pool; the result is the same to
 //! the last bit on any number of them.
 //!
@@ -71,11 +70,14 @@ mod iterative;
 mod judge;
 mod layout;
 mod normal;
+mod order;
 mod parallel;
+mod pattern;
 mod problem;
 mod quality;
 mod schur;
 mod solve;
+mod sparse;
 mod state;
 mod width;
 
@@ -104,8 +106,6 @@ const MOST_GROUPS: usize = 4;
 const MOST_OF_CAMERA: usize = 24;
 /// Columns of a photograph with its camera.
 const MOST_COLUMNS: usize = 6 + MOST_OF_CAMERA;
-/// The largest reduced system that is factorised.
-const MOST_DENSE: usize = 2500;
 
 /// What becomes of an observation whose point has no image in its camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -133,13 +133,19 @@ pub enum Exclusion {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Factorised up to 2500 unknowns, iterative beyond.
+    /// Dense for small blocks and those in which most photographs have points in common, sparse for the others; iterative where
+    /// the factor would take more than 4 GB.
     #[default]
     Automatic,
     /// Cholesky's factorisation of the whole matrix: memory grows with the square of the number of photographs, time with
     /// its cube.
     Dense,
-    /// Conjugate gradients with the block diagonal as preconditioner, without forming the matrix.
+    /// Cholesky's factorisation of the blocks that are not zero, in an order of minimum degree: for blocks in which a photograph
+    /// has points in common with a few others only, as in strips of aerial photographs. Time and memory then grow little faster than the
+    /// number of photographs.
+    Sparse,
+    /// Conjugate gradients with the block diagonal as preconditioner, without forming the matrix: the least memory, and by far the
+    /// most time.
     Iterative,
 }
 
@@ -272,13 +278,9 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         (own, total): (E, K),
         watch: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> (State<C>, Convergence) {
-        let solver = match options.solver {
-            Solver::Automatic if layout.reduced(self) > MOST_DENSE => Solver::Iterative,
-            Solver::Automatic => Solver::Dense,
-            chosen => chosen,
-        };
+        let (solver, plan) = solve::choose(self, layout, options.solver);
         let (loss, outside) = (options.loss, options.outside);
-        let engine = Engine { bundle: self, layout, loss, outside, solver, own, total };
+        let engine = Engine { bundle: self, layout, loss, outside, solver, plan, own, total };
         let mut normal = Normal::default();
         minimise_watched(&engine, start, &mut normal, &options.least_squares, |_, progress| {
             watch(progress)

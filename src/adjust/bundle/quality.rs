@@ -146,6 +146,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             loss: options.loss,
             outside: options.outside,
             solver: Solver::Dense,
+            plan: None,
             own: Runtime(layout.own),
             total: Runtime(layout.total),
         };
