@@ -13,6 +13,7 @@
 mod absolute_orientation;
 mod affine;
 mod bundle;
+mod bundle_blocks;
 mod camera;
 mod camera_edges;
 mod central_models;
