@@ -443,7 +443,7 @@ fn what_has_no_image_is_left_out_or_kept_by_the_formula() {
 fn any_number_of_threads_gives_the_same_bytes() {
     for case in cases() {
         let (bundle, ..) = block(&case, false);
-        for solver in [Solver::Dense, Solver::Iterative] {
+        for solver in [Solver::Dense, Solver::Sparse, Solver::Iterative] {
             let options = BundleOptions { solver, ..Default::default() };
             let run = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

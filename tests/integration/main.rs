@@ -14,6 +14,7 @@ mod absolute_orientation;
 mod aerial;
 mod affine;
 mod bundle;
+mod bundle_blocks;
 mod camera;
 mod camera_edges;
 mod central_models;

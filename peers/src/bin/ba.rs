@@ -1,8 +1,11 @@
 //! One bundle adjustment problem of *Bundle Adjustment in the Large*, adjusted and timed.
 //!
 //! ```text
-//! ba FILE [--threads N] [--json] [--solver dense|iterative] [--steps N] [--perturb SEED] [--save OUT]
+//! ba FILE [--threads N] [--json] [--solver dense|sparse|iterative] [--camera own|shared|held] [--steps N] [--perturb SEED] [--save OUT]
 //! ```
+//! Each photograph has a camera of its own with f, k₁ and k₂ unknown; `shared` gives all of them the first camera, `held` leaves the
+//! cameras as they are.
+//!
 //! Prints one line of JSON: initial and final cost (half the sum of squared pixels, all observations), seconds, peak memory in MB, and
 //! for each step its number, cost, wall seconds and the process's CPU seconds from the start of the adjustment.
 
@@ -49,6 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut file, mut save) = (None, None);
     let (mut threads, mut steps, mut perturb) = (1, 200, None);
     let mut solver = Solver::Automatic;
+    let mut kind = Kind::Own;
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
         match argument.as_str() {
@@ -57,9 +61,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--steps" => steps = value()?.parse()?,
             "--perturb" => perturb = Some(value()?.parse::<u64>()?),
             "--save" => save = Some(value()?),
+            "--camera" => {
+                kind = match value()?.as_str() {
+                    "own" => Kind::Own,
+                    "shared" => Kind::Shared,
+                    "held" => Kind::Held,
+                    other => return Err(format!("no camera is {other}").into()),
+                }
+            }
             "--solver" => {
                 solver = match value()?.as_str() {
                     "dense" => Solver::Dense,
+                    "sparse" => Solver::Sparse,
                     "iterative" => Solver::Iterative,
                     other => return Err(format!("no solver is named {other}").into()),
                 }
@@ -69,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let file = file.ok_or("name a file")?;
     let bal = Bal::read(file.as_ref())?;
-    let bundle = block(&bal, perturb)?;
+    let bundle = block(&bal, kind, perturb)?;
     let observations = bal.observations.len();
     let points = bal.points.len();
     let cameras = bal.cameras.len();
@@ -95,7 +108,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let report = adjusted.convergence;
     if let (Some(path), Some(mut bal)) = (save, rest) {
         for ((to, exterior), camera) in
-            bal.cameras.iter_mut().zip(adjusted.exteriors()).zip(adjusted.cameras())
+            bal.cameras.iter_mut().zip(adjusted.exteriors()).zip(adjusted.cameras().iter().cycle())
         {
             *to = Camera::from_parts(exterior, camera)?;
         }
@@ -121,20 +134,33 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The problem as a block: each photograph has a camera of its own, with f, k₁ and k₂ unknown.
-fn block(bal: &Bal, perturb: Option<u64>) -> Result<Bundle<BalCamera>, Box<dyn Error>> {
+/// Which cameras a block has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Own,
+    Shared,
+    Held,
+}
+
+/// The problem as a block.
+fn block(bal: &Bal, kind: Kind, perturb: Option<u64>) -> Result<Bundle<BalCamera>, Box<dyn Error>> {
     let mut seed = perturb.map_or(0, |s| s.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
     let mut noise = |size: f64| if seed == 0 { 0.0 } else { size * random(&mut seed) };
     let unknowns =
         [Unknown::together(0, &[0, 1]), Unknown::parameter(1, 0), Unknown::parameter(1, 1)];
+    let unknowns = if kind == Kind::Held { &[] } else { &unknowns[..] };
     let mut bundle = Bundle::new();
-    let mut images = vec![];
+    let (mut images, mut first) = (vec![], None);
     for camera in &bal.cameras {
         let exterior = camera.exterior()?;
         let turn = Rotation3::from_scaled_axis(Vector3::from_fn(|_, _| noise(1e-3)));
         let centre = exterior.projection_center() + Vector3::from_fn(|_, _| noise(1e-3));
         let exterior = ExteriorOrientation::new(centre, turn * exterior.camera_from_world());
-        let id = bundle.add_camera(camera.model()?, &unknowns)?;
+        let id = match first.filter(|_| kind == Kind::Shared) {
+            Some(id) => id,
+            None => bundle.add_camera(camera.model()?, unknowns)?,
+        };
+        first = Some(id);
         images.push(bundle.add_image(exterior, id)?);
     }
     let mut points = vec![];

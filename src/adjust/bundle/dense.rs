@@ -18,12 +18,18 @@ const MIN_PIVOT: f64 = 2.0 * f64::EPSILON;
 /// Replaces the upper triangle of an `n` × `n` matrix of about unit diagonal by U; `None` where it is not positive definite
 /// to rounding, with the row.
 pub(super) fn factorise(a: &mut [f64], n: usize) -> Result<(), usize> {
+    eliminate(a, n, n, n)
+}
+
+/// Replaces the first `pivots` rows by those of U, and the rest by what is left of it when their unknowns are eliminated. Rows have `n`
+/// columns, of which those beyond the square are right sides. `of` is the number of unknowns of the whole system.
+pub(super) fn eliminate(a: &mut [f64], n: usize, pivots: usize, of: usize) -> Result<(), usize> {
     let mut begin = 0;
-    while begin < n {
-        let end = (begin + PANEL).min(n);
+    while begin < pivots {
+        let end = (begin + PANEL).min(pivots);
         let (head, rest) = a.split_at_mut(end * n);
         let panel = &mut head[begin * n..];
-        factorise_panel(panel, begin, n)?;
+        factorise_panel(panel, begin, n, of)?;
         let mut bands: alloc::vec::Vec<&mut [f64]> = rest.chunks_mut(BAND * n).collect();
         let panel = &*panel;
         parallel::for_each(&mut bands, |band, rows| {
@@ -35,13 +41,13 @@ pub(super) fn factorise(a: &mut [f64], n: usize) -> Result<(), usize> {
 }
 
 /// U of the rows from `begin` on, whose columns before it are done.
-fn factorise_panel(panel: &mut [f64], begin: usize, n: usize) -> Result<(), usize> {
+fn factorise_panel(panel: &mut [f64], begin: usize, n: usize, of: usize) -> Result<(), usize> {
     let count = panel.len() / n;
     for i in 0..count {
         let (row, below) = panel[i * n..].split_at_mut(n);
         let column = begin + i;
         let pivot = row[column];
-        if !(pivot > MIN_PIVOT * n as f64 && pivot < f64::INFINITY) {
+        if !(pivot > MIN_PIVOT * of as f64 && pivot < f64::INFINITY) {
             return Err(column);
         }
         let inverse = 1.0 / pivot.sqrt();

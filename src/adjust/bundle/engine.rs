@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use super::layout::{Layout, Role};
 use super::normal::Normal;
 use super::problem::Bundle;
+use super::sparse::Plan;
 use super::state::{State, Step};
 use super::width::Width;
 use super::{OutsideRule, Solver, evaluate, parallel, schur};
@@ -37,6 +38,8 @@ pub(super) struct Engine<'a, C, E, K> {
     pub(super) solver: Solver,
     /// Whether the curvature of the loss belongs to the normal equations: to step by near the minimum, not to judge by.
     pub(super) curved: AtomicBool,
+    /// Of the sparse solver.
+    pub(super) plan: Option<&'a Plan>,
     /// Columns of a photograph's own block.
     pub(super) own: E,
     /// All columns of a photograph.
@@ -217,8 +220,9 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Problem for Engin
 
     fn solve(&self, state: &State<C>, normal: &Normal, damping: f64) -> Option<Damped<Step>> {
         let inverses = self.inverses(normal, damping)?;
-        let solved = match self.solver {
-            Solver::Iterative => self.solve_iteratively(normal, &inverses, damping)?,
+        let solved = match (self.solver, &self.plan) {
+            (Solver::Sparse, Some(plan)) => self.solve_sparse(plan, normal, &inverses, damping)?,
+            (Solver::Iterative, _) => self.solve_iteratively(normal, &inverses, damping)?,
             _ => self.solve_dense(normal, &inverses, damping)?,
         };
         let (points, by_points, length) = self.substitute(normal, &inverses, &solved.step, damping);

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::datum::Similarity;
 use super::problem::{Bundle, Kind, Seen};
-use super::{Exclusion, OutsideRule, state::State};
+use super::{Exclusion, OutsideRule, parallel, state::State};
 use crate::camera::{Adjustable, CentralModel};
 use crate::error::{Error, ProjectionError};
 
@@ -57,14 +57,21 @@ impl Layout {
         let (images, points) = (bundle.images.len(), bundle.points.len());
         let mut excluded = Vec::new();
         let mut takes_part = vec![true; bundle.seen.len()];
-        for (i, seen) in bundle.seen.iter().enumerate() {
-            let reason = match super::evaluate::image_of(bundle, state, seen, outside) {
-                Ok(_) => continue,
-                Err(ProjectionError::BehindCamera { .. }) => Exclusion::BehindCamera,
-                Err(_) => Exclusion::OutsideDomain,
-            };
-            takes_part[i] = false;
-            excluded.push((i as u32, reason));
+        let mut parts: Vec<_> =
+            bundle.seen.chunks(parallel::MANY).map(|seen| (seen, Vec::new())).collect();
+        parallel::for_each(&mut parts, |part, (seen, out)| {
+            for (own, seen) in seen.iter().enumerate() {
+                let reason = match super::evaluate::image_of(bundle, state, seen, outside) {
+                    Ok(_) => continue,
+                    Err(ProjectionError::BehindCamera { .. }) => Exclusion::BehindCamera,
+                    Err(_) => Exclusion::OutsideDomain,
+                };
+                out.push(((part * parallel::MANY + own) as u32, reason));
+            }
+        });
+        for (i, reason) in parts.into_iter().flat_map(|(_, out)| out) {
+            takes_part[i as usize] = false;
+            excluded.push((i, reason));
         }
         // A point with one ray and no coordinates of its own says nothing of the block; its image measured twice in one
         // photograph is one ray.
@@ -193,6 +200,11 @@ impl Layout {
     /// Columns of a camera's block in the reduced system.
     pub(super) fn of_camera(&self) -> usize {
         self.total - self.own
+    }
+
+    /// The number of cameras with a block of their own in the reduced system.
+    pub(super) fn camera_nodes<C>(&self, bundle: &Bundle<C>) -> usize {
+        if self.of_camera() > 0 { bundle.cameras.len() } else { 0 }
     }
 
     /// Where the columns of a camera begin in the reduced system.

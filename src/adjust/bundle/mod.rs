@@ -12,8 +12,7 @@
 //!
 //! # Method
 //! Levenberg–Marquardt on exact partial derivatives. Points are eliminated first; what is left is a system of the photographs and
-//! cameras, which is factorised where it is small and solved by preconditioned conjugate gradients where it is not
-//! ([`Solver`]). Memory grows with the number of observations: one block of 3 × 6 numbers each, 3 × (6 + u) where cameras have
+//! cameras, which is factorised as a whole or, where most of its blocks are zero, by those that are not ([`Solver`]). Memory grows with the number of observations: one block of 3 × 6 numbers each, 3 × (6 + u) where cameras have
 //! u unknowns. With the feature `rayon` the work is done on the threads of the caller's pool; the result is the same to
 //! the last bit on any number of them.
 //!
@@ -83,12 +82,15 @@ mod iterative;
 mod judge;
 mod layout;
 mod normal;
+mod order;
 mod parallel;
 mod parts;
+mod pattern;
 mod problem;
 mod quality;
 mod schur;
 mod solve;
+mod sparse;
 mod state;
 mod variance;
 mod width;
@@ -124,8 +126,6 @@ const MOST_GROUPS: usize = 4;
 const MOST_OF_CAMERA: usize = 24;
 /// Columns of a photograph with its camera.
 const MOST_COLUMNS: usize = 6 + MOST_OF_CAMERA;
-/// The largest reduced system that is factorised.
-const MOST_DENSE: usize = 2500;
 
 /// A step that lowers the cost by no more than this fraction is near the minimum.
 const NEAR: f64 = 1e-3;
@@ -156,13 +156,19 @@ pub enum Exclusion {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solver {
-    /// Factorised up to 2500 unknowns, iterative beyond.
+    /// Dense for small blocks and those in which most photographs have points in common, sparse for the others; iterative where
+    /// the factor would take more than 4 GB.
     #[default]
     Automatic,
     /// Cholesky's factorisation of the whole matrix: memory grows with the square of the number of photographs, time with
     /// its cube.
     Dense,
-    /// Conjugate gradients with the block diagonal as preconditioner, without forming the matrix.
+    /// Cholesky's factorisation of the blocks that are not zero, in an order of minimum degree: for blocks in which a photograph
+    /// has points in common with a few others only, as in strips of aerial photographs. Time and memory then grow little faster than the
+    /// number of photographs.
+    Sparse,
+    /// Conjugate gradients with the block diagonal as preconditioner, without forming the matrix: the least memory, and by far the
+    /// most time.
     Iterative,
 }
 
@@ -313,15 +319,11 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
         (own, total): (E, K),
         watch: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> (State<C>, Convergence) {
-        let solver = match options.solver {
-            Solver::Automatic if layout.reduced(self) > MOST_DENSE => Solver::Iterative,
-            Solver::Automatic => Solver::Dense,
-            chosen => chosen,
-        };
-        let outside = options.outside;
+        let (solver, plan) = solve::choose(self, layout, options.solver);
+        let (outside, plan) = (options.outside, plan.as_ref());
         let engine = |loss| {
             let curved = AtomicBool::new(false);
-            Engine { bundle: self, layout, loss, outside, solver, curved, own, total }
+            Engine { bundle: self, layout, loss, outside, solver, plan, curved, own, total }
         };
         let mut normal = Normal::default();
         let (mut state, mut before) = (start, None);
@@ -343,7 +345,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             before = Some((initial_cost, end.iterations));
         }
         let engine = engine(options.loss);
-        let (initial_cost, iterations) = before.unwrap_or((engine.cost(&state), 0));
+        let iterations = before.map_or(0, |(_, iterations)| iterations);
         let mut rest = options.least_squares;
         rest.max_iterations = rest.max_iterations.saturating_sub(iterations);
         let mut last = f64::INFINITY;
@@ -355,6 +357,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             last = progress.cost;
             watch(&Progress { iterations: progress.iterations + iterations, ..*progress })
         });
+        let initial_cost = before.map_or(end.initial_cost, |(cost, _)| cost);
         (state, Convergence { initial_cost, iterations: end.iterations + iterations, ..end })
     }
 

@@ -42,6 +42,9 @@ pub(super) struct Normal {
     pub(super) observed: Vec<ObservedParameter>,
 }
 
+/// Photographs whose sums one task adds.
+const SOME: usize = 16;
+
 /// The part of a linearisation that belongs to a range of points.
 struct Part<'a> {
     points: Range<usize>,
@@ -86,14 +89,24 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             })
             .collect();
         parallel::for_each(&mut parts, |_, part| self.linearise_part(state, part));
-        normal.u.clear();
+        let sums: Vec<_> = parts.into_iter().map(|part| (part.u, part.image_gradient)).collect();
         normal.u.resize(images * k * k, 0.0);
-        normal.image_gradient.clear();
         normal.image_gradient.resize(images * k, 0.0);
-        for part in parts {
-            normal.u.iter_mut().zip(&part.u).for_each(|(a, b)| *a += b);
-            normal.image_gradient.iter_mut().zip(&part.image_gradient).for_each(|(a, b)| *a += b);
-        }
+        let mut rows: Vec<_> = normal
+            .u
+            .chunks_mut(SOME * k * k)
+            .zip(normal.image_gradient.chunks_mut(SOME * k))
+            .collect();
+        parallel::for_each(&mut rows, |i, (u, gradient)| {
+            u.fill(0.0);
+            gradient.fill(0.0);
+            for (of_u, of_gradient) in &sums {
+                let of_u = &of_u[i * SOME * k * k..][..u.len()];
+                u.iter_mut().zip(of_u).for_each(|(a, b)| *a += b);
+                let of_gradient = &of_gradient[i * SOME * k..][..gradient.len()];
+                gradient.iter_mut().zip(of_gradient).for_each(|(a, b)| *a += b);
+            }
+        });
         self.add_given(state, normal);
         self.gather(state, normal);
         self.scaled_gradient(normal)
@@ -179,13 +192,21 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
 
     fn scaled_gradient(&self, normal: &Normal) -> f64 {
         let scaled = |g: f64, d: f64| if d > 0.0 { g.abs() / d.sqrt() } else { 0.0 };
+        let larger = |m: f64, g: f64| if m.is_nan() || g <= m { m } else { g };
         let reduced = normal.gradient.iter().zip(&normal.diagonal).map(|(g, d)| scaled(*g, *d));
-        let eliminated = |i: &usize| self.layout.roles[*i] == Role::Eliminated;
-        let points = (0..normal.v.len()).filter(eliminated).flat_map(|i| {
-            let (v, g) = (normal.v[i], normal.point_gradient[i]);
-            [scaled(g[0], v[0]), scaled(g[1], v[3]), scaled(g[2], v[5])]
+        let mut parts: Vec<_> = normal.v.chunks(parallel::MANY).map(|v| (v, 0.0)).collect();
+        parallel::for_each(&mut parts, |i, (part, largest)| {
+            for (own, v) in part.iter().enumerate() {
+                let point = i * parallel::MANY + own;
+                if self.layout.roles[point] == Role::Eliminated {
+                    let g = normal.point_gradient[point];
+                    for (g, d) in g.into_iter().zip([v[0], v[3], v[5]]) {
+                        *largest = larger(*largest, scaled(g, d));
+                    }
+                }
+            }
         });
-        reduced.chain(points).fold(0.0, |m, g| if g.is_nan() { g } else { f64::max(m, g) })
+        reduced.chain(parts.iter().map(|(_, g)| *g)).fold(0.0, larger)
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) fn for_each<T: Send>(parts: &mut [T], work: impl Fn(usize, &mut T) + 
 #[cfg(feature = "rayon")]
 pub(super) fn for_each<T: Send>(parts: &mut [T], work: impl Fn(usize, &mut T) + Sync + Send) {
     use rayon::prelude::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
-    if rayon::current_num_threads() < 2 {
+    if parts.len() < 2 || rayon::current_num_threads() < 2 {
         for (i, part) in parts.iter_mut().enumerate() {
             work(i, part);
         }
@@ -27,6 +27,8 @@ pub(super) fn for_each<T: Send>(parts: &mut [T], work: impl Fn(usize, &mut T) + 
     parts.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, part)| work(i, part));
 }
 
+/// So many short tasks, as of a point each, make a part.
+pub(super) const MANY: usize = 2048;
 /// No more parts than this, so that their sums take little memory.
 const MOST_PARTS: usize = 32;
 /// A part with fewer observations is not worth a thread.

@@ -182,6 +182,7 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             outside: options.outside,
             solver: Solver::Dense,
             curved: AtomicBool::new(false),
+            plan: None,
             own: Runtime(layout.own),
             total: Runtime(layout.total),
         };

@@ -13,6 +13,7 @@ use super::engine::Engine;
 use super::layout::Role;
 use super::normal::Normal;
 use super::parallel;
+use super::pattern::Pattern;
 use super::width::Width;
 use crate::camera::{Adjustable, CentralModel};
 
@@ -58,7 +59,7 @@ pub(super) fn inverse(v: &[f64; 6], damping: f64) -> Option<[f64; 6]> {
 /// A pivot of a matrix of unit diagonal that rounding alone may have left.
 const MIN_PIVOT: f64 = 1e-15;
 
-/// The reduced system: upper triangle by rows, the right side, by which factors the unknowns are scaled.
+/// The reduced system: its blocks as their pattern has them, the upper triangle by rows, and the right side.
 pub(super) struct Reduced {
     pub(super) matrix: Vec<f64>,
     pub(super) right: Vec<f64>,
@@ -69,6 +70,11 @@ struct Rows<'a> {
     matrix: &'a mut [f64],
     right: &'a mut [f64],
 }
+
+/// A camera with more points is worked through in parts.
+const MOST_CAMERA_POINTS: usize = 4096;
+/// At least so many parts then.
+const CAMERA_PARTS: usize = 16;
 
 /// S −= T Wᵀ of one pair of observations, `t` and `w` being three rows each: into the first `columns` of rows of `n`.
 #[inline(always)]
@@ -93,43 +99,82 @@ fn subtract<E: Width, F: Width>(
 impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, K> {
     /// V⁻¹ of the eliminated points, zero for the others; `None` where one is singular.
     pub(super) fn inverses(&self, normal: &Normal, damping: f64) -> Option<Vec<[f64; 6]>> {
-        self.layout
-            .roles
-            .iter()
-            .zip(&normal.v)
-            .map(|(role, v)| match role {
-                Role::Eliminated => inverse(v, damping),
-                _ => Some([0.0; 6]),
-            })
-            .collect()
-    }
-
-    /// S and the right side, without damping of the photographs' unknowns.
-    pub(super) fn reduce(&self, normal: &Normal, inverses: &[[f64; 6]]) -> Reduced {
-        let (bundle, layout) = (self.bundle, self.layout);
-        let (n, images) = (layout.reduced(bundle), bundle.images.len());
-        let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);
-        let (mut m, mut r) = (&mut matrix[..], &mut right[..]);
-        let mut blocks = Vec::with_capacity(images + bundle.cameras.len());
-        let cameras = if layout.of_camera() > 0 { bundle.cameras.len() } else { 0 };
-        for i in 0..images + cameras {
-            let size = if i < images { layout.own } else { layout.of_camera() };
-            blocks.push(Rows {
-                matrix: parallel::take(&mut m, size * n),
-                right: parallel::take(&mut r, size),
-            });
-        }
-        parallel::for_each(&mut blocks, |i, rows| {
-            if i < images {
-                self.image_rows(normal, inverses, i, rows, n);
-            } else {
-                self.camera_rows(normal, inverses, i - images, rows, n);
+        let mut inverses = vec![[0.0; 6]; normal.v.len()];
+        let mut parts: Vec<_> = inverses.chunks_mut(parallel::MANY).map(|p| (p, true)).collect();
+        parallel::for_each(&mut parts, |i, (part, regular)| {
+            for (own, out) in part.iter_mut().enumerate() {
+                let point = i * parallel::MANY + own;
+                if self.layout.roles[point] == Role::Eliminated {
+                    match inverse(&normal.v[point], damping) {
+                        Some(found) => *out = found,
+                        None => *regular = false,
+                    }
+                }
             }
         });
+        parts.iter().all(|(_, regular)| *regular).then_some(inverses)
+    }
+
+    /// The whole of S, square, and the right side, without damping of the photographs' unknowns.
+    pub(super) fn reduce(&self, normal: &Normal, inverses: &[[f64; 6]]) -> Reduced {
+        self.reduce_to(normal, inverses, &Pattern::full(self.bundle, self.layout))
+    }
+
+    /// The blocks of S that a pattern has.
+    pub(super) fn reduce_to(
+        &self,
+        normal: &Normal,
+        inverses: &[[f64; 6]],
+        pattern: &Pattern,
+    ) -> Reduced {
+        let (bundle, layout) = (self.bundle, self.layout);
+        let images = bundle.images.len();
+        let mut matrix = vec![0.0; pattern.len()];
+        let mut right = vec![0.0; layout.reduced(bundle)];
+        let (mut m, mut r) = (&mut matrix[..], &mut right[..]);
+        let nodes = images + layout.camera_nodes(bundle);
+        let mut blocks: Vec<Rows<'_>> = (0..nodes)
+            .map(|i| Rows {
+                matrix: parallel::take(&mut m, pattern.rows(i).len()),
+                right: parallel::take(&mut r, pattern.size(i)),
+            })
+            .collect();
+        let points = |camera: usize| &layout.camera_points[camera][..];
+        let large = |camera: usize| points(camera).len() > MOST_CAMERA_POINTS;
+        parallel::for_each(&mut blocks, |i, rows| {
+            let n = pattern.stride(i);
+            let columns = pattern.columns(i);
+            if i < images {
+                self.image_rows(normal, inverses, i, rows, n, &columns);
+            } else if !large(i - images) {
+                let camera = i - images;
+                self.camera_rows(normal, inverses, (camera, points(camera)), rows, n, &columns);
+            }
+        });
+        for (i, rows) in blocks.iter_mut().enumerate().skip(images) {
+            let camera = i - images;
+            if large(camera) {
+                let (n, columns) = (pattern.stride(i), pattern.columns(i));
+                let size = (points(camera).len() / CAMERA_PARTS).max(MOST_CAMERA_POINTS / 2);
+                let zeros = |len| vec![0.0; len];
+                let mut parts: Vec<_> = (points(camera).chunks(size))
+                    .map(|p| (p, zeros(rows.matrix.len()), zeros(rows.right.len())))
+                    .collect();
+                parallel::for_each(&mut parts, |_, (points, matrix, right)| {
+                    let rows = &mut Rows { matrix, right };
+                    self.camera_rows(normal, inverses, (camera, points), rows, n, &columns);
+                });
+                for (_, matrix, right) in &parts {
+                    rows.matrix.iter_mut().zip(matrix).for_each(|(a, b)| *a += b);
+                    rows.right.iter_mut().zip(right).for_each(|(a, b)| *a += b);
+                }
+            }
+            self.camera_own(normal, camera, rows, pattern.stride(i), pattern.column(i, i));
+        }
         drop(blocks);
-        self.kept_rows(normal, &mut matrix, &mut right, n);
+        self.kept_rows(normal, &mut matrix, &mut right, pattern);
         for parameter in &normal.observed {
-            matrix[parameter.at * (n + 1)] += parameter.weight;
+            matrix[pattern.diagonal(parameter.at)] += parameter.weight;
             right[parameter.at] -= parameter.weight * parameter.off;
         }
         Reduced { matrix, right }
@@ -142,19 +187,22 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         image: usize,
         rows: &mut Rows<'_>,
         n: usize,
+        columns: &[usize],
     ) {
         let (bundle, layout) = (self.bundle, self.layout);
         let (k, e) = (self.total.get(), self.own.get());
         let of = |place: usize| layout.seen(bundle, place);
         let block = |place: usize| &normal.w[place * 3 * k..][..3 * k];
         let camera_column = |image: u32| {
-            layout.camera_column(bundle.images.len(), bundle.images[image as usize].camera as usize)
+            columns[bundle.images.len() + bundle.images[image as usize].camera as usize]
         };
+        let kept_node = bundle.images.len() + layout.camera_nodes(bundle);
+        let own = columns[image];
         // U of this photograph.
         let u = &normal.u[image * k * k..][..k * k];
         for r in 0..e {
             let row = &mut rows.matrix[r * n..][..n];
-            row[image * e + r..(image + 1) * e].copy_from_slice(&u[r * k + r..r * k + e]);
+            row[own + r..own + e].copy_from_slice(&u[r * k + r..r * k + e]);
             if e < k {
                 row[camera_column(image as u32)..][..k - e]
                     .copy_from_slice(&u[r * k + e..][..k - e]);
@@ -169,7 +217,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             match layout.roles[point] {
                 Role::Constant => continue,
                 Role::Kept(kept) => {
-                    let column = layout.kept_column(bundle, kept as usize);
+                    let column = columns[kept_node + kept as usize];
                     for r in 0..e {
                         for c in 0..3 {
                             rows.matrix[r * n + column + c] += w[c * k + r];
@@ -192,7 +240,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
             for other in place..end {
                 let w = block(other);
                 let column = of(other).image as usize;
-                let out = &mut rows.matrix[column * e..];
+                let out = &mut rows.matrix[columns[column]..];
                 let three = [w, &w[k..], &w[2 * k..]];
                 subtract((self.own, self.own), (&t, e), three, out, n);
                 if column == image && other != place {
@@ -216,35 +264,49 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         }
     }
 
-    /// The rows of a camera that several photographs share.
-    fn camera_rows(
+    /// U of a camera that several photographs share.
+    fn camera_own(
         &self,
         normal: &Normal,
-        inverses: &[[f64; 6]],
         camera: usize,
         rows: &mut Rows<'_>,
         n: usize,
+        own: usize,
     ) {
-        let (bundle, layout) = (self.bundle, self.layout);
         let (k, e) = (self.total.get(), self.own.get());
-        let of = k - e;
-        let camera_of = |image: u32| bundle.images[image as usize].camera as usize;
-        let column = |camera| layout.camera_column(bundle.images.len(), camera);
-        let own = column(camera);
-        for (i, _) in bundle.images.iter().enumerate().filter(|(_, i)| i.camera as usize == camera)
-        {
+        let mine = |i: &usize| self.bundle.images[*i].camera as usize == camera;
+        for i in (0..self.bundle.images.len()).filter(mine) {
             let u = &normal.u[i * k * k..][..k * k];
-            for r in 0..of {
-                for s in r..of {
+            for r in 0..k - e {
+                for s in r..k - e {
                     rows.matrix[r * n + own + s] += u[(e + r) * k + e + s];
                 }
                 rows.right[r] -= normal.image_gradient[i * k + e + r];
             }
         }
+    }
+
+    /// What some of its points say of a camera that several photographs share.
+    fn camera_rows(
+        &self,
+        normal: &Normal,
+        inverses: &[[f64; 6]],
+        (camera, points): (usize, &[u32]),
+        rows: &mut Rows<'_>,
+        n: usize,
+        columns: &[usize],
+    ) {
+        let (bundle, layout) = (self.bundle, self.layout);
+        let (k, e) = (self.total.get(), self.own.get());
+        let of = k - e;
+        let camera_of = |image: u32| bundle.images[image as usize].camera as usize;
+        let column = |camera: usize| columns[bundle.images.len() + camera];
+        let kept_node = bundle.images.len() + layout.camera_nodes(bundle);
+        let own = column(camera);
         let mut sum = [0.0; 3 * super::MOST_COLUMNS];
         let mut t = [0.0; 3 * super::MOST_COLUMNS];
         let width = super::width::Runtime(of);
-        for point in &layout.camera_points[camera] {
+        for point in points {
             let point = *point as usize;
             sum[..3 * of].fill(0.0);
             let places = layout.first[point]..layout.first[point + 1];
@@ -258,7 +320,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                 }
             }
             if let Role::Kept(kept) = layout.roles[point] {
-                let column = layout.kept_column(bundle, kept as usize);
+                let column = columns[kept_node + kept as usize];
                 for r in 0..of {
                     for c in 0..3 {
                         rows.matrix[r * n + column + c] += sum[c * of + r];
@@ -285,14 +347,17 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
     }
 
     /// The rows of the points that are not eliminated.
-    fn kept_rows(&self, normal: &Normal, matrix: &mut [f64], right: &mut [f64], n: usize) {
+    fn kept_rows(&self, normal: &Normal, matrix: &mut [f64], right: &mut [f64], pattern: &Pattern) {
         let (bundle, layout) = (self.bundle, self.layout);
+        let first = bundle.images.len() + layout.camera_nodes(bundle);
         for (place, point) in layout.kept.iter().enumerate() {
-            let at = layout.kept_column(bundle, place);
+            let (node, at) = (first + place, layout.kept_column(bundle, place));
+            let (rows, n) = (pattern.rows(node).start, pattern.stride(node));
+            let own = rows + pattern.column(node, node);
             let v = super::normal::symmetric(normal.v[*point as usize]);
             for r in 0..3 {
                 for s in r..3 {
-                    matrix[(at + r) * n + at + s] += v[(r, s)];
+                    matrix[own + r * n + s] += v[(r, s)];
                 }
                 right[at + r] = -normal.point_gradient[*point as usize][r];
             }
@@ -300,10 +365,11 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         for (distance, block) in bundle.distances.iter().zip(&normal.tied) {
             let ends = distance.ends.map(|p| layout.roles[p as usize]);
             let [Role::Kept(a), Role::Kept(b)] = ends else { continue };
-            let [a, b] = [a.min(b), a.max(b)].map(|p| layout.kept_column(bundle, p as usize));
+            let [a, b] = [a.min(b), a.max(b)].map(|p| first + p as usize);
+            let out = pattern.rows(a).start + pattern.column(a, b);
             for r in 0..3 {
                 for s in 0..3 {
-                    matrix[(a + r) * n + b + s] += block[(r, s)];
+                    matrix[out + r * pattern.stride(a) + s] += block[(r, s)];
                 }
             }
         }

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::layout::{Layout, Role};
+use super::parallel;
 use super::problem::Bundle;
 use crate::camera::{Adjustable, CentralModel, ExteriorOrientation};
 
@@ -60,16 +61,20 @@ impl<C: CentralModel + Adjustable + Clone> State<C> {
                 moved.move_camera(bundle, camera, own);
             }
         }
-        for (i, point) in moved.points.iter_mut().enumerate() {
-            match layout.roles[i] {
-                Role::Eliminated => *point += step.points[i],
-                Role::Kept(place) => {
-                    let column = layout.kept_column(bundle, place as usize);
-                    *point += Vector3::from_column_slice(&step.reduced[column..][..3]);
+        let mut parts: Vec<_> = moved.points.chunks_mut(parallel::MANY).collect();
+        parallel::for_each(&mut parts, |part, points| {
+            for (own, point) in points.iter_mut().enumerate() {
+                let i = part * parallel::MANY + own;
+                match layout.roles[i] {
+                    Role::Eliminated => *point += step.points[i],
+                    Role::Kept(place) => {
+                        let column = layout.kept_column(bundle, place as usize);
+                        *point += Vector3::from_column_slice(&step.reduced[column..][..3]);
+                    }
+                    Role::Constant => {}
                 }
-                Role::Constant => {}
             }
-        }
+        });
         moved
     }
 

@@ -1,0 +1,3 @@
+//! What the programs of the comparisons share.
+
+pub mod synthetic;
