@@ -207,6 +207,35 @@ class Block:
                 return
         raise RuntimeError("variance components did not settle")
 
+    def robust(self):
+        """The least cost with a robust loss of the image points, by reweighted least squares from the minimum without: of Huber's and
+        Cauchy's loss at one standard deviation."""
+        keep = self.centres, self.rots, self.cams, self.points
+        covs, out = self.covariances(), {}
+        white = [np.linalg.inv(np.linalg.cholesky(c)) for c in covs]
+        for name in ("huber", "cauchy"):
+            self.centres, self.rots, self.cams, self.points = keep
+            for it in range(400):
+                rs = [w @ r.real for w, r in zip(white, self.residuals(np.zeros(self.n)))]
+                s = np.array([r @ r for r in rs])
+                weight = np.where(s <= 1, 1, 1 / np.sqrt(np.maximum(s, 1))) if name == "huber" else 1 / (1 + s)
+                weight[len(self.obs):] = 1
+                rho = np.where(s <= 1, s, 2 * np.sqrt(s) - 1) if name == "huber" else np.log1p(s)
+                rho[len(self.obs):] = s[len(self.obs):]
+                cost, at, a = 0.5 * rho.sum(), 0, self.jacobian()
+                rows, right = [], []
+                for w, r, c in zip(white, rs, weight):
+                    rows.append(np.sqrt(c) * w @ a[at:at + len(w)])
+                    right.append(np.sqrt(c) * r)
+                    at += len(w)
+                d = np.linalg.lstsq(np.concatenate(rows), -np.concatenate(right), rcond=1e-9)[0]
+                self.centres, self.rots, self.cams, self.points = self.moved(d)
+                if np.abs(d).max() < 1e-9:
+                    break
+            out[name] = cost
+        self.centres, self.rots, self.cams, self.points = keep
+        return out
+
     def solve(self):
         if self.groups:
             self.reml()
@@ -250,7 +279,7 @@ class Block:
             control=[[j, *g.tolist(), *c.ravel().tolist()] for j, g, c in self.control],
             positions=[[i, *g.tolist(), *lever.tolist(), s] for i, g, lever, s in self.positions],
             attitudes=[[i, *g.ravel().tolist(), *c.ravel().tolist()] for i, g, c in self.attitudes],
-            datum=self.datum, groups=self.groups, factors=self.factors.tolist(),
+            robust=self.robust() if self.name == "given" else None, datum=self.datum, groups=self.groups, factors=self.factors.tolist(),
             distances=[list(map(float, d)) for d in self.distances], prior=self.prior,
             cost=cost, redundancy=redundancy, unknowns=self.n, count=m, sigma0=s0,
             cameras=self.cams.tolist(), centres=[c.tolist() for c in self.centres], points=self.points.tolist(),
