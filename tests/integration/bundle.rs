@@ -606,6 +606,41 @@ fn a_block_in_parts_is_refused_unless_each_is_placed() {
     assert!(matches!(two(2, [0, 1, 2]), Err(Error::OutOfRange { value: 2.0, .. })));
 }
 
+/// Two photographs have five numbers of their own, each point one more image coordinate than unknowns: with five points they are
+/// determined up to a similarity (Kruppa 1913), with four they are not.
+#[test]
+fn two_photographs_need_five_points() {
+    let pair = |points: i32, distances: &[[usize; 2]]| {
+        let (mut bundle, mut ids, mut places) = (Bundle::new(), vec![], vec![]);
+        let id = bundle.add_camera(lens(1000.0, 0.0, 0.0, 0.0, 0.0), &[]).unwrap();
+        let images = [0.0, 2.0].map(|x| {
+            let pose = ExteriorOrientation::new(Point3::new(x, 0.0, -10.0), Rotation3::identity());
+            bundle.add_image(pose, id).unwrap()
+        });
+        for j in 0..points {
+            let at = Point3::new(f64::from(j % 3), f64::from(j * j % 4), f64::from(j % 2));
+            let point = bundle.add_point(at + Vector3::new(0.0, 0.0, 0.1)).unwrap();
+            ids.push(point);
+            places.push(at);
+            for (image, x) in images.iter().zip([0.0, 2.0]) {
+                let at = Point2::new(at.x - x, at.y) * (1000.0 / (at.z + 10.0));
+                bundle.observe(*image, point, at, Precision::default()).unwrap();
+            }
+        }
+        for [a, b] in distances {
+            let length = (places[*a] - places[*b]).norm();
+            bundle.observe_distance([ids[*a], ids[*b]], length, 0.01).unwrap();
+        }
+        bundle.adjust(&BundleOptions::default())
+    };
+    assert!(pair(5, &[]).unwrap().convergence.converged);
+    let error = pair(4, &[]).unwrap_err();
+    assert!(matches!(error, Error::TooFewPoints { needed: 9, got: 8 }), "{error}");
+    // The first distance gives the scale, the second what a point is short of.
+    assert!(matches!(pair(4, &[[0, 1]]), Err(Error::TooFewPoints { .. })));
+    assert!(pair(4, &[[0, 1], [2, 3]]).is_ok());
+}
+
 /// The same image point twice with σ√2 each says what it says once with σ.
 #[test]
 fn a_repeated_observation_counts_twice() {
@@ -695,6 +730,15 @@ fn variance_components_are_those_of_the_restricted_likelihood() {
     let report = bundle.report(&adjusted, &options, &how).unwrap();
     let [whole] = report.variance_components(|_| usize::MAX)[..] else { panic!() };
     assert!((whole.sigma.unwrap() / report.sigma0.unwrap() - 1.0).abs() < 1e-9);
+    // All observations one group: the precisions become what σ₀ made of them, and no test changes.
+    let (given, ..) = block(&all[0], false);
+    let adjusted = given.adjust(&options).unwrap();
+    let before = given.report(&adjusted, &options, &how).unwrap();
+    let after = given.estimate_variances(&options, &how, |_| 7).unwrap();
+    assert!((after.factors[0].1 / before.sigma0.unwrap() - 1.0).abs() < 1e-6);
+    for ((of, a), (_, b)) in before.numbers().zip(after.report.numbers()) {
+        assert!((a.w - b.w).abs() < 1e-5 && a.residual.abs() > 0.0, "{of:?}: {a:?} {b:?}");
+    }
     // A distance that nothing else controls has no component.
     let (free, ..) = block(&all[1], false);
     let alone = |of| usize::from(matches!(of, Observation::Distance(_)));
