@@ -40,6 +40,9 @@ pub(super) struct Normal {
     /// The blocks of two points that a distance ties: for its first end and its second.
     pub(super) tied: Vec<Matrix3<f64>>,
     pub(super) observed: Vec<ObservedParameter>,
+    /// What each part of the points adds to `u` and `image_gradient`, kept from step to step: new memory costs more than the sums,
+    /// and each return of it stops the other threads.
+    sums: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
 /// Photographs whose sums one task adds.
@@ -51,8 +54,7 @@ struct Part<'a> {
     w: &'a mut [f64],
     v: &'a mut [[f64; 6]],
     gradient: &'a mut [[f64; 3]],
-    u: Vec<f64>,
-    image_gradient: Vec<f64>,
+    sums: (Vec<f64>, Vec<f64>),
 }
 
 pub(super) fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix3<f64> {
@@ -74,6 +76,7 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         normal.point_gradient.resize(points, [0.0; 3]);
         let (mut w, mut v, mut g) =
             (&mut normal.w[..], &mut normal.v[..], &mut normal.point_gradient[..]);
+        let mut old = core::mem::take(&mut normal.sums).into_iter();
         let mut parts: Vec<Part<'_>> = parallel::parts(&layout.first)
             .into_iter()
             .map(|range| Part {
@@ -84,12 +87,11 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                 v: parallel::take(&mut v, range.len()),
                 gradient: parallel::take(&mut g, range.len()),
                 points: range,
-                u: Vec::new(),
-                image_gradient: Vec::new(),
+                sums: old.next().unwrap_or_default(),
             })
             .collect();
         parallel::for_each(&mut parts, |_, part| self.linearise_part(state, part));
-        let sums: Vec<_> = parts.into_iter().map(|part| (part.u, part.image_gradient)).collect();
+        let sums: Vec<_> = parts.into_iter().map(|part| part.sums).collect();
         normal.u.resize(images * k * k, 0.0);
         normal.image_gradient.resize(images * k, 0.0);
         let mut rows: Vec<_> = normal
@@ -107,6 +109,8 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                 gradient.iter_mut().zip(of_gradient).for_each(|(a, b)| *a += b);
             }
         });
+        drop(rows);
+        normal.sums = sums;
         self.add_given(state, normal);
         self.gather(state, normal);
         self.scaled_gradient(normal)
@@ -115,8 +119,11 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
     fn linearise_part(&self, state: &State<C>, part: &mut Part<'_>) {
         let (bundle, layout, k) = (self.bundle, self.layout, self.total.get());
         let curved = self.curved.load(Ordering::Relaxed);
-        part.u = vec![0.0; bundle.images.len() * k * k];
-        part.image_gradient = vec![0.0; bundle.images.len() * k];
+        let (sum_u, sum_gradient) = &mut part.sums;
+        for (sum, width) in [(&mut *sum_u, k * k), (&mut *sum_gradient, k)] {
+            sum.clear();
+            sum.resize(bundle.images.len() * width, 0.0);
+        }
         let mut rows = Rows::default();
         let begin = layout.first[part.points.start];
         for (own, point) in part.points.clone().enumerate() {
@@ -137,8 +144,8 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
                     rows.reweigh(weight, curvature, k);
                 }
                 let image = seen.image as usize;
-                let u = &mut part.u[image * k * k..][..k * k];
-                let image_gradient = &mut part.image_gradient[image * k..][..k];
+                let u = &mut sum_u[image * k * k..][..k * k];
+                let image_gradient = &mut sum_gradient[image * k..][..k];
                 accumulate(self.total, &rows, w, u, image_gradient);
                 let [[a, b, c], [d, e, f]] = rows.by_point;
                 let [x, y] = rows.residual;
