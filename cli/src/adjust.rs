@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 
 use anyhow::{Result, anyhow, bail};
 use collinear::adjust::bundle::{
-    Adjusted, BundleOptions, BundleReport, BundleReportOptions, Datum, Exclusion, OutsideRule,
+    Adjusted, BundleOptions, BundleReport, BundleReportOptions, CheckPoints, Datum, Exclusion,
+    OutsideRule,
 };
 use collinear::adjust::{CRITICAL_VALUE, ObservationReport};
 use collinear::camera::BrownCamera;
@@ -14,6 +15,7 @@ use collinear::numeric::robust_loss::RobustLoss;
 use serde_json::{Value, json};
 
 use crate::block::{Block, Idle};
+use crate::given_report::{self, Component};
 use crate::protocol::{Table, decimals_for, fixed, number, rows};
 use crate::reason::reason;
 use crate::resect::Estimated;
@@ -34,6 +36,8 @@ pub struct Options {
     pub max_iterations: u32,
     /// Whether standard deviations and tests are computed, whose time grows with the cube of the number of photographs.
     pub quality: bool,
+    /// Whether the precision of each kind of observations is estimated; the quality is then always judged.
+    pub variances: bool,
 }
 
 /// An adjusted block with all that is told of it.
@@ -45,13 +49,18 @@ pub struct Outcome {
     pub residuals: Vec<Option<[f64; 2]>>,
     /// Standard deviations and tests, where they were asked for.
     pub quality: Option<BundleReport>,
+    /// Check points against their known places, where there are any.
+    pub check: Option<CheckPoints>,
+    /// How good each kind of observations is, where it was asked for.
+    pub components: Option<Vec<Component>>,
     estimate: Vec<Estimated>,
 }
 
 /// Adjusts a block.
 ///
 /// # Errors
-/// As [`Bundle::adjust`](collinear::adjust::bundle::Bundle::adjust) and [`Bundle::report`](collinear::adjust::bundle::Bundle::report).
+/// As [`Bundle::adjust`](collinear::adjust::bundle::Bundle::adjust) and [`Bundle::report`](collinear::adjust::bundle::Bundle::report); with
+/// variances, a kind of observations whose precision nothing tells.
 pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) -> Result<Outcome> {
     let mut how = BundleOptions {
         loss: options.loss,
@@ -64,7 +73,7 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
         progress(step.iterations as usize, total);
         ControlFlow::Continue(())
     });
-    let adjusted = adjusted.map_err(|e| anyhow!(reason(&e)))?;
+    let mut adjusted = adjusted.map_err(|e| anyhow!(reason(&e)))?;
     let end = &adjusted.convergence;
     if !end.converged && !(end.final_cost < end.initial_cost) {
         bail!(
@@ -72,6 +81,27 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
             end.initial_cost
         );
     }
+    let datum = if block.known.places() { Datum::Given } else { Datum::Free };
+    let mut judged = BundleReportOptions { datum, estimate_sigma: !options.trust };
+    let (mut quality, mut components) = (None, None);
+    if options.variances {
+        let group = |of| given_report::group(block, of);
+        judged.estimate_sigma = false;
+        let report = block.bundle.report(&adjusted, &how, &judged);
+        given_report::estimable(block, &report.map_err(|e| anyhow!(reason(&e)))?)?;
+        let found = block.bundle.estimate_variances(&how, &judged, group);
+        let found = found.map_err(|e| anyhow!("--variances: {}", reason(&e)))?;
+        let left = found.report.variance_components(group).into_iter();
+        let left = left.zip(&found.factors);
+        components = Some(
+            left.map(|(component, (_, factor))| Component { component, factor: *factor }).collect(),
+        );
+        (adjusted, quality) = (found.adjusted, Some(found.report));
+    } else if options.quality {
+        let report = block.bundle.report(&adjusted, &how, &judged);
+        quality = Some(report.map_err(|e| anyhow!(reason(&e)))?);
+    }
+    let check = given_report::check(block, &adjusted)?;
     let mut taken = vec![true; block.observations.len()];
     for (observation, _) in &adjusted.excluded {
         taken[*observation] = false;
@@ -83,14 +113,8 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
             taken.then(|| block.bundle.residual(&adjusted, i, how.outside).ok()).flatten()
         })
         .collect();
-    let quality = if options.quality {
-        let judged = BundleReportOptions { datum: Datum::Free, estimate_sigma: !options.trust };
-        let judged = block.bundle.report(&adjusted, &how, &judged);
-        Some(judged.map_err(|e| anyhow!(reason(&e)))?)
-    } else {
-        None
-    };
-    Ok(Outcome { adjusted, residuals, quality, estimate: options.estimate.clone() })
+    let estimate = options.estimate.clone();
+    Ok(Outcome { adjusted, residuals, quality, check, components, estimate })
 }
 
 /// Why an observation takes no part, for machines.
@@ -104,7 +128,7 @@ fn word(exclusion: Exclusion) -> &'static str {
 }
 
 /// So many of the observations with the largest |w| are listed.
-const LISTED: usize = 20;
+pub(crate) const LISTED: usize = 20;
 
 impl Outcome {
     /// The protocol, for people.
@@ -128,6 +152,7 @@ impl Outcome {
                 "left out         photograph {name}: {image_points} image points that can take part, 3 needed"
             );
         }
+        self.write_placed(block, &mut text);
         for (exclusion, why) in [
             (Exclusion::BehindCamera, "behind their cameras"),
             (Exclusion::OutsideDomain, "outside their cameras' domain"),
@@ -158,7 +183,9 @@ impl Outcome {
         }
         self.write_cameras(block, &mut text);
         self.write_photographs(block, &mut text);
+        self.write_given(block, &mut text);
         self.write_suspects(block, &mut text);
+        self.write_given_suspects(block, &mut text);
         text
     }
 
@@ -225,7 +252,9 @@ impl Outcome {
     }
 
     fn write_photographs(&self, block: &Block, text: &mut String) {
-        let title = if self.quality.is_some() {
+        let title = if self.quality.is_some() && block.known.places() {
+            "\nphotographs (centre in world units, turns about the camera's axes in degrees; standard deviations in the frame of what was given)\n"
+        } else if self.quality.is_some() {
             "\nphotographs (centre in world units, turns about the camera's axes in degrees; standard deviations of a free network)\n"
         } else {
             "\nphotographs (centre in world units)\n"
@@ -380,7 +409,7 @@ impl Outcome {
             .map(|idle| json!({ "name": idle.name, "image_points": idle.image_points }))
             .collect();
         let quality = self.quality.as_ref();
-        let value = json!({
+        let mut value = json!({
             "initial_cost": convergence.initial_cost, "final_cost": convergence.final_cost,
             "iterations": convergence.iterations, "converged": convergence.converged,
             "image_points": block.observations.len(), "left_out": self.adjusted.excluded.len(),
@@ -391,6 +420,9 @@ impl Outcome {
             "redundancy": quality.map(|q| q.redundancy), "sigma0": quality.and_then(|q| q.sigma0),
             "cameras": cameras, "photographs": photographs, "suspects": suspects,
         });
+        for (name, field) in self.given_json(block) {
+            value[name] = field;
+        }
         serde_json::to_string_pretty(&value).map_err(|e| anyhow!(e))
     }
 

@@ -15,6 +15,7 @@ use collinear_io::opensfm::Observation as Track;
 use collinear_io::{bundler, colmap, opensfm};
 
 use crate::draft::Draft;
+use crate::given::{Given, Known};
 use crate::resect::Estimated;
 
 /// A file with photographs, points and what was measured of them.
@@ -49,6 +50,10 @@ pub struct Block {
     pub observations: Vec<(usize, usize, Point2<f64>)>,
     /// The photographs that were left out: they stay as they are.
     pub idle: Vec<Idle>,
+    /// How many of the observations, the last ones, are of clicked points.
+    pub clicks: usize,
+    /// What was given besides image points.
+    pub known: Known,
     /// For each photograph of the file its place in the block.
     pub(crate) places: Vec<Option<usize>>,
 }
@@ -103,12 +108,20 @@ impl BlockFile {
         }
     }
 
-    /// The block, every image point with the same standard deviation. Photographs with fewer than three image points that can take
+    /// The block, every image point with the same standard deviation unless a click states its own, with what was given besides: the
+    /// block is brought to the frame of that unless it is in place. Photographs with fewer than three image points that can take
     /// part are left out; with `formula` points behind their cameras can.
     ///
     /// # Errors
-    /// A camera that is neither a pinhole nor Brown's; numbers that are none; no photograph that can take part.
-    pub fn block(&self, estimate: &[Estimated], sigma: f64, formula: bool) -> Result<Block> {
+    /// A camera that is neither a pinhole nor Brown's; numbers that are none; no photograph that can take part. Of what was given:
+    /// photographs and points that are not there or there twice; fewer than three points or positions to place the block by.
+    pub fn block(
+        &self,
+        estimate: &[Estimated],
+        sigma: f64,
+        formula: bool,
+        given: &Given,
+    ) -> Result<Block> {
         let bare = |e: &Estimated| {
             matches!(e, Estimated::PrincipalDistance | Estimated::Radial(0) | Estimated::Radial(1))
         };
@@ -124,6 +137,7 @@ impl BlockFile {
             Self::Colmap(model, _) => add_colmap(&mut draft, model)?,
             Self::OpenSfm(model, tracks) => add_opensfm(&mut draft, model, tracks)?,
         }
+        draft.give(given)?;
         draft.block(formula)
     }
 
@@ -222,7 +236,7 @@ fn add_bal(draft: &mut Draft, bal: &Bal) -> Result<()> {
         draft.add_point(i.to_string(), *point);
     }
     for seen in &bal.observations {
-        draft.observe(seen.camera as usize, seen.point as usize, seen.pixel().into());
+        draft.observe(seen.camera as usize, seen.point as usize, seen.pixel().into(), None);
     }
     Ok(())
 }
@@ -246,7 +260,7 @@ fn add_colmap(draft: &mut Draft, model: &colmap::Reconstruction) -> Result<()> {
         let photograph = draft.add_photograph(name.clone(), exterior, camera);
         for seen in &image.observations {
             if let Some(&point) = seen.point.and_then(|id| points.get(&id)) {
-                draft.observe(photograph, point, seen.image);
+                draft.observe(photograph, point, seen.image, None);
             }
         }
     }
@@ -278,7 +292,7 @@ fn add_opensfm(draft: &mut Draft, model: &opensfm::Reconstruction, tracks: &[Tra
         let seen = photographs.get(track.image.as_str());
         let point = points.get(track.track.as_str());
         if let (Some(&(photograph, [w, h])), Some(&point)) = (seen, point) {
-            draft.observe(photograph, point, track.pixel(w, h));
+            draft.observe(photograph, point, track.pixel(w, h), None);
         }
     }
     Ok(())

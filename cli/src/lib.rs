@@ -7,7 +7,7 @@
 //! | `collinear reproject` | [`reproject::photograph_from_screen`], [`lookup::Lookup`] |
 //! | `collinear resect` | [`resect::run`], [`residuals::to_svg`] |
 //! | `collinear intersect` | [`intersect::run`] |
-//! | `collinear adjust` | [`block::BlockFile`], [`adjust::run`] |
+//! | `collinear adjust` | [`block::BlockFile`], [`given::Given`], [`adjust::run`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |
@@ -18,6 +18,8 @@ pub mod adjust;
 pub mod block;
 pub mod convert;
 mod draft;
+pub mod given;
+pub mod given_report;
 pub mod intersect;
 pub mod lookup;
 mod obj;

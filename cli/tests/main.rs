@@ -6,6 +6,7 @@ mod berlin;
 mod convert;
 mod failures;
 mod files;
+mod given;
 mod overlay;
 mod project;
 mod readme;

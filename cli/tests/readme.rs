@@ -65,6 +65,7 @@ fn the_commands_of_the_readme_run_as_they_stand() {
             "resect",
             "intersect",
             "adjust",
+            "adjust",
             "overlay",
             "convert"
         ],

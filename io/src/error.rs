@@ -438,6 +438,12 @@ pub enum LineProblem {
         /// What stands there.
         text: String,
     },
+    /// A name that is empty.
+    #[error("{name} is empty, expected a name")]
+    NoName {
+        /// The column's name.
+        name: String,
+    },
     /// A line with more or fewer fields than the table has columns.
     #[error("has {found} fields, expected {expected}")]
     FieldCount {

@@ -20,6 +20,7 @@
 //! | world points, with or without their image points | [`points`] | CSV |
 //! | control points with their images and precisions | [`control`] | CSV |
 //! | which photograph shows which point where | [`observations`] | CSV |
+//! | places, positions, attitudes and distances with their precisions | [`observed`] | CSV |
 //! | pictures | [`picture`] | PNG, JPEG |
 //! | rational polynomial cameras | [`rpc`] | JSON, RPB, `_RPC.TXT`, DIMAP XML, GDAL's XML, OSSIM `.geom`, GeoTIFF |
 //! | geoid undulations | [`gtx`] | GTX |
@@ -71,6 +72,7 @@ pub mod map;
 pub mod metashape;
 pub mod nerf;
 pub mod observations;
+pub mod observed;
 pub mod opencv;
 pub mod opensfm;
 pub mod orientation;

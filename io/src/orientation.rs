@@ -113,7 +113,7 @@ struct Columns {
 }
 
 /// The unit that a column's name says after the angle's; none where it is no column of this angle.
-fn angle_column(word: &str, names: [&str; 2]) -> Option<Option<AngleUnit>> {
+pub(crate) fn angle_column(word: &str, names: [&str; 2]) -> Option<Option<AngleUnit>> {
     let rest = names.iter().find_map(|n| word.strip_prefix(n))?;
     let unit = rest.trim_matches(|c: char| "_ [](){}".contains(c));
     if unit.is_empty() { Some(None) } else { AngleUnit::named(unit).map(Some) }

@@ -6,6 +6,7 @@ use collinear_io::control::parse_control;
 use collinear_io::dome::DomeFile;
 use collinear_io::map::MapFile;
 use collinear_io::observations::parse_observations;
+use collinear_io::observed::{parse_attitudes, parse_distances, parse_places, parse_positions};
 use collinear_io::plane::PlaneFile;
 use collinear_io::points::parse_points;
 use collinear_io::rpc::RpcFile;
@@ -131,12 +132,19 @@ fn the_examples_of_the_formats_page_are_files() {
     }
     kinds.dedup();
     assert_eq!(kinds, ["camera", "scanner", "plane", "dome", "map", "rpc", "scene"]);
-    let [points, control, observations] = blocks(&page, "csv")[..] else { panic!("three tables") };
+    let [points, control, observations, positions, attitudes, distances] = blocks(&page, "csv")[..]
+    else {
+        panic!("six tables")
+    };
     assert_eq!(parse_points(points).unwrap().len(), 2);
     let rows = parse_control(control).unwrap();
     assert_eq!((rows[0].image_sigma, rows[0].world_sigma), (Some([0.3; 2]), None));
     assert_eq!(rows[1].world_sigma, Some([0.02, 0.02, 0.05]));
     assert_eq!(parse_observations(observations).unwrap().len(), 2);
+    assert_eq!(parse_positions(positions).unwrap()[0].lever_arm, Some([0.1, 0.0, -0.35]));
+    assert_eq!(parse_attitudes(attitudes).unwrap().len(), 1);
+    assert_eq!(parse_distances(distances).unwrap()[0].ends, ["church", "well"]);
+    assert_eq!(parse_places(control).unwrap()[1].sigma, Some([0.02, 0.02, 0.05]));
 }
 
 #[test]
