@@ -122,12 +122,13 @@ mod tests {
 
     #[test]
     fn leaves_go_before_the_middle_of_a_star() {
-        // Node 0 is tied to all: each leaf has one neighbour, and the middle goes with the last of them.
+        // Node 0 is tied to all: each leaf has one neighbour, and the middle too once three are gone.
         let star = vec![vec![1, 2, 3, 4], vec![0], vec![0], vec![0], vec![0]];
-        assert_eq!(minimum_degree(star, &[1; 5]), [1, 2, 3, 4, 0]);
-        // Sizes count: of a chain 0 – 1 – 2 the ends have one neighbour, of 5 and of 5; with 1 of size 1 and 0 of size 5, 2 first.
-        let chain = vec![vec![1], vec![0, 2], vec![1]];
-        assert_eq!(minimum_degree(chain, &[1, 5, 1]), [0, 2, 1]);
+        assert_eq!(minimum_degree(star, &[1; 5]), [1, 2, 3, 0, 4]);
+        // Sizes count: of a chain 0 – 1 – 2 whose ends are large, the middle is left with more to meet than the other end.
+        let chain = || vec![vec![1], vec![0, 2], vec![1]];
+        assert_eq!(minimum_degree(chain(), &[1; 3]), [0, 1, 2]);
+        assert_eq!(minimum_degree(chain(), &[5, 1, 5]), [0, 2, 1]);
     }
 
     #[test]
