@@ -123,7 +123,7 @@ impl Draft {
 
     /// For each photograph how many of its image points can take part, and whether they are enough. A photograph that is left
     /// out may leave a point with one ray, which then takes no part in another.
-    fn usable(&self, formula: bool) -> Vec<(usize, bool)> {
+    pub(crate) fn usable(&self, formula: bool) -> Vec<(usize, bool)> {
         let imaged: Vec<bool> = self
             .observations
             .iter()

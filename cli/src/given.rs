@@ -313,7 +313,10 @@ impl Draft {
             }
         }
         let points = pairs.len();
-        for (photograph, row) in positions {
+        // A photograph that is going to be left out says nothing of the block's place.
+        let usable = self.usable(false);
+        let positions: Vec<_> = positions.iter().filter(|(p, _)| usable[*p].1).collect();
+        for (photograph, row) in &positions {
             let center = self.photographs[*photograph].1.projection_center();
             pairs.push(PointPair::new(center, row.world.into()));
         }

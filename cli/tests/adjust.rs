@@ -153,6 +153,7 @@ fn what_is_wrong_is_said() {
             2,
             "'--sigma <PIXELS>': expected a finite number above 0",
         ),
+        (&["block.txt", "--iterations", "0"], 2, "invalid value '0' for '--iterations"),
         (&["block.txt", "--iterations", "-1"], 2, "invalid value '-1' for '--iterations"),
         (
             &["block.txt", "--svg", "r.svg", "--exaggeration", "1e9"],
@@ -208,6 +209,12 @@ fn outputs_are_all_new_or_all_old() {
     assert_eq!(folder.text("out.txt"), "old");
     // Nothing is left beside them.
     assert_eq!(std::fs::read_dir(folder.path(".")).unwrap().count(), 3);
+    // A picture by the name of one of the files that the block is written to.
+    let town = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/town/block");
+    let run = folder.run(&["adjust", town, "-o", "new", "--svg", "new/../new/cameras.txt"]);
+    assert_eq!(run.code, 1, "{run:?}");
+    assert!(run.stderr.contains("two outputs have this path"), "{run:?}");
+    assert_eq!(std::fs::read_dir(folder.path("new")).unwrap().count(), 0);
 }
 
 #[test]

@@ -265,6 +265,45 @@ fn what_is_wrong_with_what_is_given_is_said() {
 
 /// Two photographs straight down from 5 km over ground at 2 km, the Earth a sphere and the air of the standard atmosphere, whose K is
 /// 29.3 millionths by a ray traced in Python: each image by the geometry of a sphere about the photograph's own vertical.
+/// A photograph without image points is left out, and its position with it.
+#[test]
+fn the_position_of_an_idle_photograph_places_nothing() {
+    let folder = folder();
+    let arguments = [&START[..], &["--positions", "positions.csv", "--json"]].concat();
+    let cost = |folder: &Folder| {
+        let run = folder.succeed(&arguments);
+        let found: Value = serde_json::from_str(&run.stdout).unwrap();
+        (found["final_cost"].as_f64().unwrap(), run.stderr)
+    };
+    let (expected, _) = cost(&folder);
+    let text = data("block.txt");
+    let numbers: Vec<&str> = text.split_whitespace().collect();
+    let [cameras, points, observations] = [0, 1, 2].map(|i| numbers[i].parse::<usize>().unwrap());
+    let mut numbers: Vec<String> = numbers.into_iter().map(str::to_owned).collect();
+    let end = numbers.len() - 3 * points;
+    assert_eq!(end, 3 + 4 * observations + 9 * cameras);
+    let idle = ["0", "0", "0", "0", "0", "0", "1000", "0", "0"].map(str::to_owned);
+    numbers.splice(end..end, idle);
+    numbers[0] = (cameras + 1).to_string();
+    let row = format!("{cameras},380000,5800000,1000,0.04,0.05,0.06\n");
+    folder
+        .write("block.txt", numbers.join("\n") + "\n")
+        .write("positions.csv", data("positions.csv") + &row);
+    let (found, said) = cost(&folder);
+    assert!(said.contains(&format!("photograph {cameras} is left out")), "{said}");
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+}
+
+#[test]
+fn a_table_of_a_header_alone_is_refused() {
+    let folder = folder();
+    folder.write("positions.csv", "photo,X,Y,Z,sigma_X,sigma_Y,sigma_Z\n");
+    let run = folder.run(&[&START[..], &["--positions", "positions.csv"]].concat());
+    assert_eq!(run.code, 1, "{run:?}");
+    let message = "positions.csv: has a header and no line after it";
+    assert!(run.stderr.contains(message), "{}", run.stderr);
+}
+
 #[test]
 fn air_and_the_earths_shape_are_corrected() {
     let (earth, height, focal, bend) = (6_371_000.0_f64, 5000.0_f64, 10_000.0, 29.3e-6_f64);

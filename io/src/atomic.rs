@@ -59,11 +59,18 @@ where
 /// ```
 ///
 /// # Errors
-/// As [`write_atomically`], of the first file that cannot be written.
+/// As [`write_atomically`], of the first file that cannot be written; [`ErrorKind::Write`] for two of one path.
 pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), Error> {
-    let mut ready = Vec::new();
+    let mut ready: Vec<(&PathBuf, Prepared)> = Vec::new();
+    let mut places = Vec::new();
     for (path, bytes) in files {
         let prepared = prepare(path, |w| w.write_all(bytes)).map_err(|e| e.in_file(path))?;
+        let place = prepared.place();
+        if places.contains(&place) {
+            let twice = io::Error::new(io::ErrorKind::InvalidInput, "two outputs have this path");
+            return Err(Error::from(ErrorKind::Write(twice)).in_file(path));
+        }
+        places.push(place);
         ready.push((path, prepared));
     }
     ready.into_iter().try_for_each(|(path, file)| file.put().map_err(|e| e.in_file(path)))
@@ -84,6 +91,16 @@ struct Prepared {
 }
 
 impl Prepared {
+    /// The target by one name, however its folder is called.
+    fn place(&self) -> PathBuf {
+        let folder = self.target.parent().filter(|f| !f.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize();
+        match (folder, self.target.file_name()) {
+            (Ok(folder), Some(name)) => folder.join(name),
+            _ => self.target.clone(),
+        }
+    }
+
     fn put(self) -> Result<(), Error> {
         self.temporary.rename_to(&self.target).map_err(ErrorKind::Write)?;
         sync_folder(&self.target);

@@ -15,6 +15,15 @@ macro_rules! unary {
 }
 unary!(sqrt, sin, floor, ceil, round, exp);
 
+/// ln(1 + x), exact for small x.
+#[inline]
+pub(crate) fn ln_1p(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.ln_1p();
+    #[cfg(not(feature = "std"))]
+    return libm::log1p(x);
+}
+
 /// Natural logarithm.
 #[inline]
 pub(crate) fn ln(x: f64) -> f64 {

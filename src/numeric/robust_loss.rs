@@ -84,10 +84,11 @@ impl RobustLoss {
                 let s = squared / (scale * scale);
                 if s <= 1.0 { squared } else { scale * scale * (2.0 * float::sqrt(s) - 1.0) }
             }
-            Self::Cauchy { scale } => scale * scale * float::ln(1.0 + squared / (scale * scale)),
+            Self::Cauchy { scale } => scale * scale * float::ln_1p(squared / (scale * scale)),
             Self::Tukey { scale } => {
-                let left = (1.0 - squared / (scale * scale)).max(0.0);
-                scale * scale * (1.0 - left * left * left) / 3.0
+                // (1 − (1 − s)³)/3 without its cancellation.
+                let s = (squared / (scale * scale)).min(1.0);
+                scale * scale * s * (1.0 - s + s * s / 3.0)
             }
             Self::Truncated { scale } => squared.min(scale * scale),
         }

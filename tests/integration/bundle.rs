@@ -855,6 +855,34 @@ fn robust_losses_converge_in_few_steps() {
     }
 }
 
+/// Attitudes and a single position leave the scale open: a report that rounding alone decides is refused.
+#[test]
+fn what_places_a_block_in_part_is_no_datum() {
+    let case = &cases()[2];
+    let (plain, images, _) = block(case, false);
+    let options = BundleOptions::default();
+    let adjusted = converged(&plain, &options);
+    let mut bundle = plain.clone();
+    for (i, image) in images.iter().enumerate() {
+        let pose = adjusted.exterior(*image).unwrap();
+        let turn = pose.camera_from_world();
+        bundle.observe_attitude(*image, turn, Precision::Sigma(1e-4)).unwrap();
+        if i < 1 {
+            let given = pose.projection_center();
+            bundle
+                .observe_position(*image, given, Vector3::zeros(), Precision::Sigma(0.01))
+                .unwrap();
+        }
+    }
+    let adjusted = bundle.adjust(&options).unwrap();
+    let error = bundle.report(&adjusted, &options, &BundleReportOptions::default());
+    assert!(matches!(error, Err(Error::Degenerate { .. })), "{error:?}");
+    // What is no rotation is refused.
+    let twice = Rotation3::from_matrix_unchecked(Matrix3::from_diagonal_element(2.0));
+    let error = bundle.observe_attitude(images[0], twice, Precision::default()).unwrap_err();
+    assert!(matches!(error, Error::Inconsistent { .. }), "{error}");
+}
+
 #[test]
 fn a_held_photograph_stays() {
     let case = &cases()[2];

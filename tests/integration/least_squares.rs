@@ -314,6 +314,15 @@ fn losses_by_hand() {
         assert!((loss.cost(36.0) - cost).abs() < 1e-13, "{loss:?} {}", loss.cost(36.0));
         assert!((loss.weight(36.0) - weight).abs() < 1e-15, "{loss:?} {}", loss.weight(36.0));
     }
+    // Far within the scale, at s of 10⁻¹⁶ and of 10⁻⁴, a loss is the square less the fraction s/2 or s of it.
+    for scale in [1e8, 1e2] {
+        for (loss, share) in
+            [(RobustLoss::Cauchy { scale }, 0.5), (RobustLoss::Tukey { scale }, 1.0)]
+        {
+            let off = loss.cost(1.0) - (1.0 - share / (scale * scale));
+            assert!(off.abs() < 1e-8, "{loss:?} {off}");
+        }
+    }
 }
 
 proptest! {

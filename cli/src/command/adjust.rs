@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use collinear::numeric::robust_loss::RobustLoss;
 use collinear_cli::adjust::{Options, run};
@@ -100,7 +100,7 @@ pub(crate) struct Arguments {
     variances: bool,
 
     /// Iterations allowed
-    #[arg(long, value_name = "NUMBER", default_value = "200", allow_negative_numbers = true)]
+    #[arg(long, value_name = "NUMBER", default_value = "200", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     iterations: u32,
 
     /// The adjusted block to write, in the format it came in (COLMAP: a folder)
@@ -268,7 +268,12 @@ fn table<R>(
     path: Option<&Path>,
     read: impl Fn(&Path) -> Result<Vec<R>, collinear_io::Error>,
 ) -> Result<Vec<R>> {
-    Ok(path.map(read).transpose()?.unwrap_or_default())
+    let Some(path) = path else { return Ok(vec![]) };
+    let rows = read(path)?;
+    if rows.is_empty() {
+        bail!("{}: has a header and no line after it", path.display());
+    }
+    Ok(rows)
 }
 
 /// Three finite numbers with commas between.

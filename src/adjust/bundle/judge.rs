@@ -67,6 +67,10 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         let mut normal = Normal::default();
         self.linearise_into(state, &mut normal);
         let free = Similarity::of_datum(how.datum, bundle, layout, state)?;
+        // The pivots of a block that nothing places are rounding: whether they are positive is chance.
+        if free.is_none() && layout.free > 0 {
+            return Err(report::undetermined(0.0, f64::EPSILON));
+        }
         let singular = report::undetermined(0.0, f64::EPSILON);
         let inverses = self.inverses(&normal, 0.0).ok_or(singular)?;
         let mut matrix = self.reduce(&normal, &inverses).matrix;
@@ -90,6 +94,12 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         let conditions = free.as_ref().map_or(0, |f| f.count);
         let mut report = self.figures(state, &normal, conditions, how)?;
         let mut points = self.judge(state, &inverses, &normal, &q, &mut report);
+        // Σ rᵢ is r unless the matrix was singular but for rounding, as where parts hang together by two points.
+        let off = (report.redundancy_sum() - report.redundancy as f64).abs();
+        let limit = 1e-3 + 1e-8 * report.observations as f64;
+        if !(off <= limit) {
+            return Err(singular);
+        }
         if let (Some(free), Some(g)) = (&free, g) {
             let transformation = self.transformation(state, &normal, &inverses, &q, free, g)?;
             for (i, q) in points.iter_mut().enumerate() {

@@ -44,6 +44,8 @@ pub(super) struct Layout {
     pub(super) camera_points: Vec<Vec<u32>>,
     /// For each camera its first photograph, where it has any.
     pub(super) camera_image: Vec<Option<u32>>,
+    /// How many of the seven numbers of each part's place nothing was given for.
+    pub(super) free: usize,
     /// The spread of the object points, by which lengths are judged.
     pub(super) extent: f64,
 }
@@ -167,12 +169,13 @@ impl Layout {
             total,
             camera_points: Vec::new(),
             camera_image,
+            free: 0,
             extent: Similarity::about(bundle.points.iter().map(|p| p.start)).scale(),
         };
         if shared {
             layout.list_camera_points(bundle);
         }
-        layout.check(bundle, state)?;
+        layout.free = layout.check(bundle, state)?;
         Ok(layout)
     }
 

@@ -38,8 +38,8 @@ impl Parts {
 
 impl Layout {
     /// Refuses photographs that too little is known of, blocks in parts that nothing ties, and fewer observations than
-    /// unknowns.
-    pub(super) fn check<C>(&self, bundle: &Bundle<C>, state: &State<C>) -> Result<(), Error> {
+    /// unknowns. Returns how many numbers of the block's place nothing was given for.
+    pub(super) fn check<C>(&self, bundle: &Bundle<C>, state: &State<C>) -> Result<usize, Error> {
         if self.order.is_empty() {
             return Err(Error::TooFewPoints { needed: 3, got: 0 });
         }
@@ -61,7 +61,9 @@ impl Layout {
             });
         }
         let given = ranks.iter().sum::<usize>();
-        self.count(bundle, 7 * ranks.len() - given)
+        let free = 7 * ranks.len() - given;
+        self.count(bundle, free)?;
+        Ok(free)
     }
 
     /// Refuses fewer observations, with `free` conditions of the datum, than unknowns.

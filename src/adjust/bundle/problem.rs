@@ -270,7 +270,8 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     /// factor is the misalignment (boresight), which has to be known. A second call replaces the first.
     ///
     /// # Errors
-    /// [`Error::Unknown`], [`Error::NotFinite`], and those of [`Precision::weight`].
+    /// [`Error::Unknown`]; [`Error::NotFinite`]; [`Error::Inconsistent`] where the matrix is no rotation; those of
+    /// [`Precision::weight`].
     #[doc(alias("IMU", "INS", "boresight", "misalignment"))]
     pub fn observe_attitude(
         &mut self,
@@ -282,6 +283,15 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
             self.images.get_mut(image.number()).ok_or(Error::Unknown { what: "photograph" })?;
         if !camera_from_world.matrix().iter().all(|c| c.is_finite()) {
             return Err(Error::NotFinite { what: "attitude" });
+        }
+        let m = camera_from_world.matrix();
+        let (residual, limit) = ((m * m.transpose() - Matrix3::identity()).amax(), 1e-9);
+        if residual > limit {
+            return Err(Error::Inconsistent {
+                what: "attitude: rows of a rotation",
+                residual,
+                limit,
+            });
         }
         let weight = precision.weight()?;
         image.attitude = Some(Attitude { given: camera_from_world, weight });
