@@ -10,6 +10,7 @@ use collinear::adjust::bundle::{
 };
 use collinear::adjust::{CRITICAL_VALUE, ObservationReport};
 use collinear::camera::BrownCamera;
+use collinear::nalgebra::Point2;
 use collinear::numeric::least_squares::Progress;
 use collinear::numeric::robust_loss::RobustLoss;
 use serde_json::{Value, json};
@@ -87,10 +88,15 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
     if options.variances {
         let group = |of| given_report::group(block, of);
         judged.estimate_sigma = false;
-        let report = block.bundle.report(&adjusted, &how, &judged);
-        given_report::estimable(block, &report.map_err(|e| anyhow!(reason(&e)))?)?;
-        let found = block.bundle.estimate_variances(&how, &judged, group);
-        let found = found.map_err(|e| anyhow!("--variances: {}", reason(&e)))?;
+        let found = match block.bundle.estimate_variances(&how, &judged, group) {
+            Ok(found) => found,
+            Err(error) => {
+                // Which kind it is, where the first adjustment tells.
+                let report = block.bundle.report(&adjusted, &how, &judged);
+                given_report::estimable(block, &report.map_err(|e| anyhow!(reason(&e)))?)?;
+                bail!("--variances: {}", reason(&error));
+            }
+        };
         let left = found.report.variance_components(group).into_iter();
         let left = left.zip(&found.factors);
         components = Some(
@@ -241,11 +247,21 @@ impl Outcome {
 
     /// For each photograph the number of its image points and their root mean square.
     fn of_photographs(&self, block: &Block) -> Vec<(usize, f64)> {
-        let mut sums = vec![(0, 0.0); block.photographs.len()];
-        for ((photograph, _, _), residual) in block.observations.iter().zip(&self.residuals) {
+        self.sums(block, block.photographs.len(), |(photograph, _, _)| *photograph)
+    }
+
+    /// The number of image points that take part and their root mean square, pixels, of each of `count` places that they belong to.
+    pub(crate) fn sums(
+        &self,
+        block: &Block,
+        count: usize,
+        place: impl Fn(&(usize, usize, Point2<f64>)) -> usize,
+    ) -> Vec<(usize, f64)> {
+        let mut sums = vec![(0, 0.0); count];
+        for (observation, residual) in block.observations.iter().zip(&self.residuals) {
             if let Some([x, y]) = residual {
-                let (count, sum) = sums[*photograph];
-                sums[*photograph] = (count + 1, sum + x * x + y * y);
+                let (count, sum) = &mut sums[place(observation)];
+                (*count, *sum) = (*count + 1, *sum + x * x + y * y);
             }
         }
         sums.into_iter().map(|(n, s)| (n, (s / (2 * n) as f64).sqrt())).collect()

@@ -130,14 +130,7 @@ impl Outcome {
 
     /// For each point its image points that take part, and their root mean square, pixels.
     fn of_points(&self, block: &Block) -> Vec<(usize, f64)> {
-        let mut sums = vec![(0, 0.0); block.points.len()];
-        for ((_, point, _), residual) in block.observations.iter().zip(&self.residuals) {
-            if let Some([x, y]) = residual {
-                let (count, sum) = sums[*point];
-                sums[*point] = (count + 1, sum + x * x + y * y);
-            }
-        }
-        sums.into_iter().map(|(n, s)| (n, (s / (2 * n) as f64).sqrt())).collect()
+        self.sums(block, block.points.len(), |(_, point, _)| *point)
     }
 
     /// How the block was placed, and what was left out.

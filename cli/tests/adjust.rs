@@ -4,19 +4,21 @@ use serde_json::Value;
 
 use crate::support::Folder;
 
+const POINTS: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 1.0, 0.5],
+    [2.0, -1.0, 1.0],
+    [0.0, 2.0, 2.0],
+    [1.0, -2.0, 0.0],
+    [2.0, 2.0, 1.5],
+    [-1.0, 1.0, 1.0],
+    [3.0, 0.5, 0.0],
+];
+
 /// Two photographs from (0, 0, 10) and (2, 0, 10), f = 1000, over eight points, measured exactly: X is right, Y up, the
 /// cameras look along −z as BAL's do, so that a point is at f (X − Xc)/(10 − Z), f Y/(10 − Z). The second starts 0.05 beside.
 fn problem() -> String {
-    of_points(&[
-        [0.0, 0.0, 0.0],
-        [1.0, 1.0, 0.5],
-        [2.0, -1.0, 1.0],
-        [0.0, 2.0, 2.0],
-        [1.0, -2.0, 0.0],
-        [2.0, 2.0, 1.5],
-        [-1.0, 1.0, 1.0],
-        [3.0, 0.5, 0.0],
-    ])
+    of_points(&POINTS)
 }
 
 fn of_points(points: &[[f64; 3]]) -> String {
@@ -292,21 +294,11 @@ fn image_points_that_take_no_part_have_their_reason() {
 /// The same block as COLMAP's folder: y down, principal point (500, 400); the cameras of the model look along +z from z = −10.
 fn colmap(folder: &Folder, name: &str, camera: &str) {
     std::fs::create_dir(folder.path(name)).unwrap();
-    let points = [
-        [0.0, 0.0, 0.0],
-        [1.0, 1.0, 0.5],
-        [2.0, -1.0, 1.0],
-        [0.0, 2.0, 2.0],
-        [1.0, -2.0, 0.0],
-        [2.0, 2.0, 1.5],
-        [-1.0, 1.0, 1.0],
-        [3.0, 0.5, 0.0],
-    ];
     let mut images = String::new();
     let mut list = String::new();
     for (number, (xc, start)) in [(0.0, 0.0), (2.0, -2.05)].into_iter().enumerate() {
         images += &format!("{} 1 0 0 0 {start} 0 10 1 view{number}.jpg\n", number + 1);
-        for (i, [x, y, z]) in points.iter().enumerate() {
+        for (i, [x, y, z]) in POINTS.iter().enumerate() {
             let depth = 10.0 + z;
             images += &format!(
                 "{} {} {} ",
@@ -317,7 +309,7 @@ fn colmap(folder: &Folder, name: &str, camera: &str) {
         }
         images += "\n";
     }
-    for (i, [x, y, z]) in points.iter().enumerate() {
+    for (i, [x, y, z]) in POINTS.iter().enumerate() {
         list += &format!("{} {x} {y} {z} 1 2 3 0.1 1 {i} 2 {i}\n", i + 1);
     }
     folder

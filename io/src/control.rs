@@ -93,11 +93,8 @@ impl Columns {
             return Err(bad("X, Y, Z, x, y, and perhaps id, sigma, sigma_X, sigma_Y, sigma_Z"));
         };
         let image_sigma = image_sigmas(line, header)?;
-        let world_sigma = match all(&["sigma_X", "sigma_Y", "sigma_Z"])?[..] {
-            [Some(x), Some(y), Some(z)] => Some([(x, "sigma_X"), (y, "sigma_Y"), (z, "sigma_Z")]),
-            [None, None, None] => None,
-            _ => return Err(bad("all of sigma_X, sigma_Y, sigma_Z or none of them")),
-        };
+        let world_sigma =
+            all_or_none(line, header, SIGMAS, "all of sigma_X, sigma_Y, sigma_Z or none of them")?;
         let (world, image) = ([wx, wy, wz], [x, y]);
         let id = find(line, header, "id")?;
         Ok(Self { count: header.len(), id, world, image, image_sigma, world_sigma })
@@ -114,6 +111,27 @@ impl Columns {
             world_sigma: sigmas(&line, number, self.world_sigma)?,
         })
     }
+}
+
+/// The columns of the standard deviations of a place.
+pub(crate) const SIGMAS: [&str; 3] = ["sigma_X", "sigma_Y", "sigma_Z"];
+
+/// Columns of which a table has all, with their names, or none.
+pub(crate) fn all_or_none<const N: usize>(
+    line: usize,
+    header: &[String],
+    names: [&'static str; N],
+    expected: &'static str,
+) -> Result<Option<[(usize, &'static str); N]>, Error> {
+    let mut places = Vec::with_capacity(N);
+    for name in names {
+        places.extend(find(line, header, name)?.map(|place| (place, name)));
+    }
+    if places.is_empty() {
+        return Ok(None);
+    }
+    let all = <[_; N]>::try_from(places).map(Some);
+    all.map_err(|_| at(line, None, LineProblem::Header { header: header.join(" "), expected }))
 }
 
 /// The columns of an image point's standard deviations, where there are any.
@@ -143,6 +161,15 @@ pub(crate) fn sigmas<const N: usize>(
     if places.iter().all(|(place, _)| line.text(*place).is_empty()) {
         return Ok(None);
     }
+    positives(line, number, places).map(Some)
+}
+
+/// Numbers above zero, of columns with their names.
+pub(crate) fn positives<const N: usize>(
+    line: &Line<'_>,
+    number: usize,
+    places: [(usize, &str); N],
+) -> Result<[f64; N], Error> {
     let mut values = [0.0; N];
     for (value, (place, name)) in values.iter_mut().zip(places) {
         *value = line.value(place, name)?;
@@ -152,5 +179,5 @@ pub(crate) fn sigmas<const N: usize>(
             return Err(at(number, Some(place + 1), problem));
         }
     }
-    Ok(Some(values))
+    Ok(values)
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 
 use collinear::geometry::rotation::OmegaPhiKappa;
 
-use crate::control::sigmas;
+use crate::control::{SIGMAS, all_or_none, positives, sigmas};
 use crate::error::{Error, LineProblem};
 use crate::fields::at;
 use crate::json::read_text;
@@ -104,15 +104,7 @@ pub fn parse_places(text: &str) -> Result<Vec<PlaceRow>, Error> {
     };
     let named = |line: usize, header: &[String]| {
         let [id, x, y, z] = needed(line, header, ["id", "X", "Y", "Z"], PLACES)?;
-        let mut sigma = [None; 3];
-        for (place, name) in sigma.iter_mut().zip(SIGMAS) {
-            *place = find(line, header, name)?.map(|p| (p, name));
-        }
-        let sigma = match sigma {
-            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-            [None, None, None] => None,
-            _ => return Err(refused(line, header, PLACES)),
-        };
+        let sigma = all_or_none(line, header, SIGMAS, PLACES)?;
         Ok(Columns { count: header.len(), id, world: [x, y, z], sigma })
     };
     table(text, without_header, named, |columns, number, fields| {
@@ -151,15 +143,7 @@ pub fn parse_positions(text: &str) -> Result<Vec<PositionRow>, Error> {
     let named = |line: usize, header: &[String]| {
         let names = ["photo", "X", "Y", "Z", SIGMAS[0], SIGMAS[1], SIGMAS[2]];
         let places = needed(line, header, names, EXPECTED)?;
-        let mut lever = [None; 3];
-        for (place, name) in lever.iter_mut().zip(LEVER) {
-            *place = find(line, header, name)?;
-        }
-        let lever = match lever {
-            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-            [None, None, None] => None,
-            _ => return Err(refused(line, header, EXPECTED)),
-        };
+        let lever = all_or_none(line, header, LEVER, EXPECTED)?;
         Ok((header.len(), places, lever))
     };
     table(
@@ -172,8 +156,14 @@ pub fn parse_positions(text: &str) -> Result<Vec<PositionRow>, Error> {
             Ok(PositionRow {
                 photo: name(&line, number, photo, "photo")?,
                 world: values(&line, [x, y, z], ["X", "Y", "Z"])?,
-                sigma: positives(&line, number, [sx, sy, sz], SIGMAS)?,
-                lever_arm: lever.map(|places| values(&line, places, LEVER)).transpose()?,
+                sigma: positives(
+                    &line,
+                    number,
+                    [(sx, SIGMAS[0]), (sy, SIGMAS[1]), (sz, SIGMAS[2])],
+                )?,
+                lever_arm: lever
+                    .map(|places| values(&line, places.map(|(place, _)| place), LEVER))
+                    .transpose()?,
             })
         },
     )
@@ -232,11 +222,11 @@ pub fn parse_attitudes(text: &str) -> Result<Vec<AttitudeRow>, Error> {
             let [omega, phi, kappa, so, sp, sk] = *places;
             let angles = values(&line, [omega, phi, kappa], ANGLES)?;
             let [omega, phi, kappa] = angles.map(|a| unit.to_radians(a));
-            let names = ["sigma_omega", "sigma_phi", "sigma_kappa"];
+            let sigmas = [(so, "sigma_omega"), (sp, "sigma_phi"), (sk, "sigma_kappa")];
             Ok(AttitudeRow {
                 photo: name(&line, number, *photo, "photo")?,
                 angles: OmegaPhiKappa { omega, phi, kappa },
-                sigma: positives(&line, number, [so, sp, sk], names)?.map(|s| unit.to_radians(s)),
+                sigma: positives(&line, number, sigmas)?.map(|s| unit.to_radians(s)),
             })
         },
     )
@@ -275,13 +265,12 @@ pub fn parse_distances(text: &str) -> Result<Vec<DistanceRow>, Error> {
             let line = Line::new(number, fields, *count)?;
             let [from, to, length, sigma] = *places;
             let ends = [name(&line, number, from, "from")?, name(&line, number, to, "to")?];
-            let [length, sigma] = positives(&line, number, [length, sigma], ["length", "sigma"])?;
+            let [length, sigma] = positives(&line, number, [(length, "length"), (sigma, "sigma")])?;
             Ok(DistanceRow { ends, length, sigma })
         },
     )
 }
 
-const SIGMAS: [&str; 3] = ["sigma_X", "sigma_Y", "sigma_Z"];
 const LEVER: [&str; 3] = ["lever_x", "lever_y", "lever_z"];
 const ANGLES: [&str; 3] = ["omega", "phi", "kappa"];
 const PLACES: &str = "id, X, Y, Z, and perhaps all of sigma_X, sigma_Y, sigma_Z";
@@ -318,24 +307,6 @@ fn values<const N: usize>(
     let mut values = [0.0; N];
     for ((value, place), name) in values.iter_mut().zip(places).zip(names) {
         *value = line.value(place, name)?;
-    }
-    Ok(values)
-}
-
-/// Numbers above zero.
-fn positives<const N: usize>(
-    line: &Line<'_>,
-    number: usize,
-    places: [usize; N],
-    names: [&str; N],
-) -> Result<[f64; N], Error> {
-    let values = values(line, places, names)?;
-    for ((value, place), name) in values.iter().zip(places).zip(names) {
-        if *value <= 0.0 {
-            let text = line.text(place).to_owned();
-            let problem = LineProblem::NotPositive { name: name.to_owned(), text };
-            return Err(at(number, Some(place + 1), problem));
-        }
     }
     Ok(values)
 }

@@ -200,10 +200,7 @@ fn bundlers_cameras_look_along_minus_z_with_y_up() {
     assert_eq!(Bundle::parse(&bundle.to_text()).unwrap(), bundle);
     let again = Bundle::from_photographs(&cameras).unwrap();
     assert_eq!(again.cameras, bundle.cameras[1..]);
-    let refuses = |text: &str, expected: &str| {
-        let error = photographs::parse(text, Some([640, 480])).unwrap_err().to_string();
-        assert!(error.contains(expected), "{error}\n{expected}");
-    };
+    let refuses = |text: &str, expected: &str| refuses_of(text, Some([640, 480]), expected);
     refuses(&BUNDLE.replace("v0.3", "v0.4"), "line 1: says `# Bundle file v0.4`");
     refuses(&BUNDLE.replace("1 1 9", "1 2 9"), "view in line 15: names a camera `2`");
     refuses(
@@ -248,7 +245,11 @@ fn a_published_bundle_meets_its_measurements() {
 }
 
 fn refuses(text: &str, expected: &str) {
-    let error = photographs::parse(text, None).unwrap_err().to_string();
+    refuses_of(text, None, expected);
+}
+
+fn refuses_of(text: &str, size: Option<[u32; 2]>, expected: &str) {
+    let error = photographs::parse(text, size).unwrap_err().to_string();
     assert!(error.contains(expected), "{error}\n{expected}");
 }
 

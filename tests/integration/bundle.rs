@@ -3,6 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::support::numbers;
+#[cfg(feature = "rayon")]
+use crate::support::same_on_any_number_of_threads;
 
 use collinear::adjust::bundle::{
     Adjusted, Bundle, BundleOptions, BundleReport, BundleReportOptions, Datum, Exclusion, ImageId,
@@ -445,17 +447,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
         let (bundle, ..) = block(&case, false);
         for solver in [Solver::Dense, Solver::Sparse, Solver::Iterative] {
             let options = BundleOptions { solver, ..Default::default() };
-            let run = |threads| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| bundle.adjust(&options).unwrap())
-            };
-            let one = run(1);
-            for threads in [2, 3, 7] {
-                let other = run(threads);
-                assert_eq!(one.points(), other.points());
-                assert_eq!(one.exteriors(), other.exteriors());
-                assert_eq!(one.cameras(), other.cameras());
-            }
+            same_on_any_number_of_threads(|| bundle.adjust(&options).unwrap());
         }
     }
 }

@@ -10,6 +10,8 @@ use collinear::camera::{CentralCamera, EvenRadial, Gnomonic};
 use collinear::{ExteriorOrientation, InteriorOrientation};
 use nalgebra::{Point2, Point3, Rotation3, Vector3};
 
+use crate::support::same_on_any_number_of_threads;
+
 type Lens = CentralCamera<Gnomonic, EvenRadial>;
 
 const C: f64 = 1000.0;
@@ -168,16 +170,6 @@ fn a_sparse_factorisation_has_the_same_bytes_on_any_number_of_threads() {
     for cameras in [Cameras::Own, Cameras::Shared(1000)] {
         let (bundle, _) = block((6, 10), cameras, 2);
         let options = BundleOptions { solver: Solver::Sparse, ..Default::default() };
-        let run = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| bundle.adjust(&options).unwrap())
-        };
-        let one = run(1);
-        for threads in [2, 3, 7] {
-            let other = run(threads);
-            assert_eq!(one.points(), other.points());
-            assert_eq!(one.exteriors(), other.exteriors());
-            assert_eq!(one.cameras(), other.cameras());
-        }
+        same_on_any_number_of_threads(|| bundle.adjust(&options).unwrap());
     }
 }

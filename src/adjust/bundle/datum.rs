@@ -51,6 +51,10 @@ pub(super) struct Similarity {
     placing: Vec<u32>,
 }
 
+fn places_by(placing: &[u32], point: usize) -> bool {
+    placing.is_empty() || placing.binary_search(&(point as u32)).is_ok()
+}
+
 /// Up to seven columns of three rows.
 pub(super) type ThreeRows = SMatrix<f64, 3, 7>;
 
@@ -95,15 +99,13 @@ impl Similarity {
         if datum != Datum::Free && placing.len() < 3 {
             return Err(Error::TooFewPoints { needed: 3, got: placing.len() });
         }
-        let mut own = Self { placing, ..Self::about(core::iter::empty()) };
         let places = (0..state.points.len())
-            .filter(|i| layout.roles[*i] != Role::Constant && own.places_by(*i))
+            .filter(|i| layout.roles[*i] != Role::Constant && places_by(&placing, *i))
             .map(|i| state.points[i]);
         let about = Self::about(places);
-        (own.middle, own.scale) = (about.middle, about.scale);
         // A distance gives the scale.
-        own.count = if bundle.distances.is_empty() { 7 } else { 6 };
-        Ok(Some(own))
+        let count = if bundle.distances.is_empty() { 7 } else { 6 };
+        Ok(Some(Self { placing, count, ..about }))
     }
 
     /// What lengths are told in: the spread of the places.
@@ -113,7 +115,7 @@ impl Similarity {
 
     /// Whether a point places the block.
     pub(super) fn places_by(&self, point: usize) -> bool {
-        self.placing.is_empty() || self.placing.binary_search(&(point as u32)).is_ok()
+        places_by(&self.placing, point)
     }
 
     /// G of a point or a centre, in units of the block's extent.

@@ -68,10 +68,10 @@ impl<C: CentralModel + Adjustable + Clone, E: Width, K: Width> Engine<'_, C, E, 
         self.linearise_into(state, &mut normal);
         let free = Similarity::of_datum(how.datum, bundle, layout, state)?;
         // The pivots of a block that nothing places are rounding: whether they are positive is chance.
-        if free.is_none() && layout.free > 0 {
-            return Err(report::undetermined(0.0, f64::EPSILON));
-        }
         let singular = report::undetermined(0.0, f64::EPSILON);
+        if free.is_none() && layout.free > 0 {
+            return Err(singular);
+        }
         let inverses = self.inverses(&normal, 0.0).ok_or(singular)?;
         let mut matrix = self.reduce(&normal, &inverses).matrix;
         let scale = solve::scale(&normal.diagonal);

@@ -109,22 +109,18 @@ impl Layout {
         let mut grams: BTreeMap<u32, SMatrix<f64, 7, 7>> = BTreeMap::new();
         for (i, (image, exterior)) in bundle.images.iter().zip(&state.exteriors).enumerate() {
             let gram = grams.entry(parts.root(i as u32)).or_insert_with(SMatrix::zeros);
-            let g = about.of_image(exterior);
-            // Turns are told in the same unit as lengths.
-            let mut scaled = g;
-            scaled.rows_mut(3, 3).iter_mut().for_each(|v| *v *= about.scale());
+            let mut g = about.of_image(exterior);
             if image.held {
-                *gram += scaled.transpose() * scaled;
+                // Turns are told in the same unit as lengths.
+                g.rows_mut(3, 3).iter_mut().for_each(|v| *v *= about.scale());
+                *gram += g.transpose() * g;
+                continue;
             }
-            let of = |partials: SMatrix<f64, 3, 6>, unit: f64| {
-                let rows = partials * g * unit;
-                rows.transpose() * rows
-            };
-            if let Some(position) = image.position.filter(|_| !image.held) {
-                *gram += of(position.at(exterior).partials, 1.0);
-            }
-            if let Some(attitude) = image.attitude.filter(|_| !image.held) {
-                *gram += of(attitude.at(exterior).partials, about.scale());
+            let position = image.position.map(|p| p.at(exterior).partials);
+            let attitude = image.attitude.map(|a| a.at(exterior).partials * about.scale());
+            for partials in position.into_iter().chain(attitude) {
+                let rows = partials * g;
+                *gram += rows.transpose() * rows;
             }
         }
         self.add_known_points(bundle, state, &about, &mut parts, &mut grams);

@@ -1,5 +1,6 @@
 //! Strategies and small oracles that several subjects share. Nothing here calls the code it is used to judge.
 
+use collinear::adjust::bundle::Adjusted;
 use collinear::camera::{ExteriorOrientation, InteriorOrientation};
 use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
 use proptest::prelude::*;
@@ -138,4 +139,21 @@ pub fn points3(value: &serde_json::Value) -> Vec<Point3<f64>> {
 /// A 3 × 3 matrix by its rows.
 pub fn matrix3(value: &serde_json::Value) -> Matrix3<f64> {
     Matrix3::from_row_slice(&numbers(value))
+}
+
+/// A block adjusted to the same bytes by 1, 2, 3 and 7 threads.
+pub fn same_on_any_number_of_threads<C: PartialEq + std::fmt::Debug + Send>(
+    adjust: impl Fn() -> Adjusted<C> + Sync,
+) {
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(&adjust)
+    };
+    let one = run(1);
+    for threads in [2, 3, 7] {
+        let other = run(threads);
+        assert_eq!(one.points(), other.points());
+        assert_eq!(one.exteriors(), other.exteriors());
+        assert_eq!(one.cameras(), other.cameras());
+    }
 }
