@@ -176,6 +176,17 @@ pub enum Error {
         /// The cost reached, half the weighted sum of squares.
         cost: f64,
     },
+    /// The residuals of a group of observations do not tell its precision: nothing controls it, or it agrees with the others better than
+    /// any precision explains, so that the estimate of its standard deviation goes to zero.
+    #[error("nothing tells the precision of group {group}: redundancy {}, factor {}", Brief(*redundancy), Brief(*factor))]
+    UnknownPrecision {
+        /// The number of the group.
+        group: usize,
+        /// Its redundancy when that was seen.
+        redundancy: f64,
+        /// What its standard deviations had been multiplied with by then: 1 where nothing controls it, less where it went to zero.
+        factor: f64,
+    },
     /// A robust search found no model that enough observations support.
     #[error("no consensus: {inliers} of {needed} needed observations agree after {trials} trials")]
     NoConsensus {

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::ops::ControlFlow;
 
 use anyhow::{Result, anyhow, bail};
+use collinear::Error;
 use collinear::adjust::bundle::{
     Adjusted, BundleOptions, BundleReport, BundleReportOptions, CheckPoints, Datum, Exclusion,
     OutsideRule,
@@ -11,7 +12,7 @@ use collinear::adjust::bundle::{
 use collinear::adjust::{CRITICAL_VALUE, ObservationReport};
 use collinear::camera::BrownCamera;
 use collinear::nalgebra::Point2;
-use collinear::numeric::least_squares::Progress;
+use collinear::numeric::least_squares::{Convergence, Progress};
 use collinear::numeric::robust_loss::RobustLoss;
 use serde_json::{Value, json};
 
@@ -54,6 +55,10 @@ pub struct Outcome {
     pub check: Option<CheckPoints>,
     /// How good each kind of observations is, where it was asked for.
     pub components: Option<Vec<Component>>,
+    /// How the adjustment with the stated precisions ended.
+    pub convergence: Convergence,
+    /// Adjustments that the precisions took, where they were estimated.
+    pub adjustments: Option<usize>,
     estimate: Vec<Estimated>,
 }
 
@@ -75,34 +80,34 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
         ControlFlow::Continue(())
     });
     let mut adjusted = adjusted.map_err(|e| anyhow!(reason(&e)))?;
-    let end = &adjusted.convergence;
+    let convergence = adjusted.convergence;
+    let end = &convergence;
     if !end.converged && !(end.final_cost < end.initial_cost) {
         bail!(
-            "no step from the start lowers the cost of {:.6}: with a Tukey or truncated loss no image point may be within its scale yet",
+            "no step from the start lowers the cost of {:.6}: a greater scale for --loss may find one",
             end.initial_cost
         );
     }
     let datum = if block.known.places() { Datum::Given } else { Datum::Free };
     let mut judged = BundleReportOptions { datum, estimate_sigma: !options.trust };
-    let (mut quality, mut components) = (None, None);
+    let (mut quality, mut components, mut adjustments) = (None, None, None);
     if options.variances {
         let group = |of| given_report::group(block, of);
         judged.estimate_sigma = false;
-        let found = match block.bundle.estimate_variances(&how, &judged, group) {
-            Ok(found) => found,
-            Err(error) => {
-                // Which kind it is, where the first adjustment tells.
-                let report = block.bundle.report(&adjusted, &how, &judged);
-                given_report::estimable(block, &report.map_err(|e| anyhow!(reason(&e)))?)?;
-                bail!("--variances: {}", reason(&error));
+        let found = block.bundle.estimate_variances(&how, &judged, group);
+        let found = found.map_err(|error| match error {
+            Error::UnknownPrecision { group, factor, .. } => {
+                anyhow!(given_report::unknown_precision(group, factor))
             }
-        };
+            _ => anyhow!("--variances: {}", reason(&error)),
+        })?;
         let left = found.report.variance_components(group).into_iter();
         let left = left.zip(&found.factors);
         components = Some(
             left.map(|(component, (_, factor))| Component { component, factor: *factor }).collect(),
         );
         (adjusted, quality) = (found.adjusted, Some(found.report));
+        adjustments = Some(found.adjustments);
     } else if options.quality {
         let report = block.bundle.report(&adjusted, &how, &judged);
         quality = Some(report.map_err(|e| anyhow!(reason(&e)))?);
@@ -120,7 +125,16 @@ pub fn run(block: &Block, options: &Options, progress: &dyn Fn(usize, usize)) ->
         })
         .collect();
     let estimate = options.estimate.clone();
-    Ok(Outcome { adjusted, residuals, quality, check, components, estimate })
+    Ok(Outcome {
+        adjusted,
+        residuals,
+        quality,
+        check,
+        components,
+        convergence,
+        adjustments,
+        estimate,
+    })
 }
 
 /// Why an observation takes no part, for machines.
@@ -141,7 +155,7 @@ impl Outcome {
     #[must_use]
     pub fn to_text(&self, block: &Block) -> String {
         let mut text = String::from("Bundle adjustment\n\n");
-        let convergence = &self.adjusted.convergence;
+        let convergence = &self.convergence;
         let seen = self.residuals.iter().flatten().count();
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -177,6 +191,13 @@ impl Outcome {
             convergence.iterations,
             if convergence.converged { "converged" } else { "NOT converged" }
         );
+        if let Some(adjustments) = self.adjustments {
+            let _ = writeln!(
+                text,
+                "precisions       found in {adjustments} adjustments; with them the cost is {:.6}",
+                self.adjusted.convergence.final_cost
+            );
+        }
         let _ = writeln!(text, "rms              {:.4} px a coordinate", self.rms(seen));
         if let Some(q) = &self.quality {
             let sigma0 = q.sigma0.map_or("not determined".to_owned(), |s| format!("{s:.4}"));
@@ -394,7 +415,7 @@ impl Outcome {
                 json!({ "name": block.cameras[i], "parameters": parameters })
             })
             .collect();
-        let convergence = &self.adjusted.convergence;
+        let convergence = &self.convergence;
         let suspects: Vec<Value> = self
             .suspects()
             .into_iter()
@@ -436,6 +457,10 @@ impl Outcome {
             "redundancy": quality.map(|q| q.redundancy), "sigma0": quality.and_then(|q| q.sigma0),
             "cameras": cameras, "photographs": photographs, "suspects": suspects,
         });
+        if let Some(adjustments) = self.adjustments {
+            let cost = self.adjusted.convergence.final_cost;
+            value["precisions"] = json!({ "adjustments": adjustments, "cost": cost });
+        }
         for (name, field) in self.given_json(block) {
             value[name] = field;
         }

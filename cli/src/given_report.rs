@@ -2,10 +2,8 @@
 
 use std::fmt::Write;
 
-use anyhow::{Result, anyhow, bail};
-use collinear::adjust::bundle::{
-    BundleReport, CheckPoints, Observation, PointId, VarianceComponent,
-};
+use anyhow::{Result, anyhow};
+use collinear::adjust::bundle::{CheckPoints, Observation, PointId, VarianceComponent};
 use collinear::adjust::{CRITICAL_VALUE, ObservationReport};
 use collinear::nalgebra::Point3;
 use serde_json::{Value, json};
@@ -47,23 +45,17 @@ pub struct Component {
     pub factor: f64,
 }
 
-/// Refuses groups whose precision nothing tells.
-pub(crate) fn estimable(block: &Block, report: &BundleReport) -> Result<()> {
-    for component in report.variance_components(|of| group(block, of)) {
-        let (name, _) = GROUPS[component.group.min(6)];
-        match component.sigma {
-            None => bail!(
-                "--variances: nothing controls the {name}, so that nothing tells their precision"
-            ),
-            Some(sigma) if !(sigma > 0.0) => {
-                bail!(
-                    "--variances: the {name} have no residuals, so that nothing tells their precision"
-                )
-            }
-            Some(_) => {}
-        }
+/// Why a group's precision was not found.
+pub(crate) fn unknown_precision(group: usize, factor: f64) -> String {
+    let (name, _) = GROUPS[group.min(6)];
+    if factor < 1.0 {
+        format!(
+            "--variances: the {name} agree with the rest better than any precision explains; \
+             with so few of them state a precision and leave --variances off"
+        )
+    } else {
+        format!("--variances: nothing controls the {name}, so that nothing tells their precision")
     }
-    Ok(())
 }
 
 /// Check points against their known places; none where there are no check points.

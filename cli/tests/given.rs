@@ -106,6 +106,14 @@ fn precisions_are_those_of_numpy() {
     near(&all(components, "sigma"), &expected["factors"], 1e-4, "sigma");
     let run = folder.succeed(&start);
     assert!(run.stdout.contains("precisions found"), "{}", run.stdout);
+    assert!(run.stdout.contains("with them the cost is"), "{}", run.stdout);
+    assert!(found["precisions"]["adjustments"].as_u64() > Some(1), "{found}");
+    // Three points chosen to agree: nothing is left over to tell how good they are.
+    let few = data("control.csv").lines().take(4).collect::<Vec<_>>().join("\n");
+    folder.write("control.csv", few + "\n");
+    let run = folder.run(&[&START[..], &CONTROL, &["--variances"]].concat());
+    assert_eq!(run.code, 1, "{run:?}");
+    assert!(run.stderr.contains("--variances: "), "{}", run.stderr);
 }
 
 #[test]

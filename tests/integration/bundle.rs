@@ -736,7 +736,28 @@ fn variance_components_are_those_of_the_restricted_likelihood() {
     let alone = |of| usize::from(matches!(of, Observation::Distance(_)));
     let how = BundleReportOptions { datum: Datum::Free, ..how };
     let error = free.estimate_variances(&options, &how, alone).unwrap_err();
-    assert!(matches!(error, Error::Degenerate { .. }), "{error}");
+    let Error::UnknownPrecision { group: 1, redundancy, factor } = error else { panic!("{error}") };
+    assert!(redundancy.abs() < 1e-6 && factor == 1.0, "{error}");
+}
+
+/// A distance that agrees with the rest: the more precise, the better it is explained.
+#[test]
+fn a_variance_that_goes_to_zero_is_an_error_of_its_group() {
+    let (bundle, ..) = block(&cases()[0], false);
+    let options = BundleOptions::default();
+    let adjusted = bundle.adjust(&options).unwrap();
+    let ids: Vec<_> = bundle.point_ids().collect();
+    let [from, to] = [ids[0], ids[7]].map(|id| adjusted.point(id).unwrap());
+    let last = rows(&cases()[0]["distances"]).len();
+    let group = |of| usize::from(of == Observation::Distance(last));
+    for (off, least, most) in [(0.002, 1e-6, 0.01), (1e-9, 0.0, 1e-6)] {
+        let mut bundle = bundle.clone();
+        bundle.observe_distance([ids[0], ids[7]], (to - from).norm() + off, 0.01).unwrap();
+        let how = BundleReportOptions::default();
+        let error = bundle.estimate_variances(&options, &how, group).unwrap_err();
+        let Error::UnknownPrecision { group: 1, factor, .. } = error else { panic!("{error}") };
+        assert!(factor > least && factor < most, "{error}");
+    }
 }
 
 /// Three points place a block as all do: its redundancy numbers stay.

@@ -89,6 +89,32 @@ pub struct VarianceEstimate<C> {
 const TOLERANCE: f64 = 1e-7;
 /// Adjustments allowed.
 const MOST_ADJUSTMENTS: usize = 100;
+/// σ̂ that shrinks by the same ratio so many times in a row has no other limit than zero.
+const SHRINKING: usize = 10;
+/// The same ratio: 1 − σ̂ has lost no more than this part of itself.
+const SAME_RATIO: f64 = 0.01;
+/// No one states a standard deviation so many times too large.
+const LEAST_FACTOR: f64 = 1e-6;
+
+/// How a group's precision has come about.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    factor: f64,
+    last: f64,
+    shrinking: usize,
+}
+
+impl Course {
+    const START: Self = Self { factor: 1.0, last: 1.0, shrinking: 0 };
+
+    /// Takes a step; `false` where the steps lead to zero.
+    fn step(&mut self, sigma: f64) -> bool {
+        let same = sigma < 1.0 - TOLERANCE && 1.0 - sigma >= (1.0 - SAME_RATIO) * (1.0 - self.last);
+        self.shrinking = if same { self.shrinking + 1 } else { 0 };
+        (self.factor, self.last) = (self.factor * sigma, sigma);
+        self.factor > LEAST_FACTOR && self.shrinking < SHRINKING
+    }
+}
 
 impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     /// Adjusts the block again and again, each time with the precisions of each group of observations multiplied by what its
@@ -98,8 +124,8 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     /// precisions, its scale being told in standard deviations.
     ///
     /// # Errors
-    /// Those of [`adjust`](Self::adjust) and [`report`](Self::report); [`Error::Degenerate`] for a group whose precision cannot be
-    /// found: nothing controls it (the measure is its redundancy), or its residuals are zero;
+    /// Those of [`adjust`](Self::adjust) and [`report`](Self::report); [`Error::UnknownPrecision`] for a group that nothing controls, or
+    /// whose estimate goes to zero, as it may for a few observations that agree well by chance;
     /// [`Error::NotConverged`] after 100 adjustments.
     pub fn estimate_variances(
         &self,
@@ -109,34 +135,40 @@ impl<C: CentralModel + Adjustable + Clone> Bundle<C> {
     ) -> Result<VarianceEstimate<C>, Error> {
         let how = BundleReportOptions { estimate_sigma: false, ..*how };
         let mut bundle = self.clone();
-        let mut factors: BTreeMap<usize, f64> = BTreeMap::new();
+        let mut courses: BTreeMap<usize, Course> = BTreeMap::new();
         let mut state = State::start(self);
+        let mut cost = f64::NAN;
         for adjustments in 1..=MOST_ADJUSTMENTS {
             let adjusted =
                 bundle.adjust_from(options, state, &mut |_| ControlFlow::Continue(()))?;
+            cost = adjusted.convergence.final_cost;
             let report = bundle.report(&adjusted, options, &how)?;
-            let mut steps = BTreeMap::new();
-            for component in report.variance_components(&group) {
-                let sigma = component.sigma.filter(|s| *s > 0.0 && s.is_finite());
-                let sigma = sigma.ok_or(Error::Degenerate {
-                    what: "variance component: nothing controls its group of observations",
-                    measure: component.redundancy,
-                    limit: LEAST_REDUNDANCY * component.observations as f64,
-                })?;
-                steps.insert(component.group, sigma);
-            }
-            if steps.values().all(|s| (s - 1.0).abs() < TOLERANCE) {
-                let factors =
-                    steps.keys().map(|g| (*g, factors.get(g).copied().unwrap_or(1.0))).collect();
+            let components = report.variance_components(&group);
+            let settled =
+                |c: &VarianceComponent| c.sigma.is_some_and(|s| (s - 1.0).abs() < TOLERANCE);
+            if components.iter().all(settled) {
+                let factor =
+                    |c: &VarianceComponent| courses.get(&c.group).map_or(1.0, |c| c.factor);
+                let factors = components.iter().map(|c| (c.group, factor(c))).collect();
                 return Ok(VarianceEstimate { bundle, adjusted, report, factors, adjustments });
             }
-            for (group, step) in &steps {
-                *factors.entry(*group).or_insert(1.0) *= step;
+            let mut steps = BTreeMap::new();
+            for component in components {
+                let VarianceComponent { group, redundancy, .. } = component;
+                let course = courses.entry(group).or_insert(Course::START);
+                let sigma = component.sigma.filter(|s| s.is_finite());
+                match sigma.filter(|s| course.step(*s)) {
+                    Some(sigma) => steps.insert(group, sigma),
+                    None => {
+                        let factor = course.factor;
+                        return Err(Error::UnknownPrecision { group, redundancy, factor });
+                    }
+                };
             }
             bundle.rescale(|of| steps.get(&group(of)).copied().unwrap_or(1.0));
             state = adjusted.state;
         }
-        Err(Error::NotConverged { iterations: MOST_ADJUSTMENTS as u32, cost: f64::NAN })
+        Err(Error::NotConverged { iterations: MOST_ADJUSTMENTS as u32, cost })
     }
 
     /// Multiplies the standard deviations of observations.
