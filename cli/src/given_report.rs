@@ -202,7 +202,11 @@ impl Outcome {
 
     fn write_check(&self, block: &Block, points: &[(usize, f64)], text: &mut String) {
         let Some(check) = &self.check else { return };
-        text.push_str("\ncheck points (adjusted minus known, world units)\n");
+        text.push_str(if block.known.places() {
+            "\ncheck points (adjusted minus known, world units)\n"
+        } else {
+            "\ncheck points (adjusted minus known, in the block's own frame: nothing that was given places it)\n"
+        });
         let mut table = Table::new(&["point", "rays", "d X", "d Y", "d Z"]);
         let decimals = decimals([check.largest].into_iter());
         for (id, d) in &check.differences {

@@ -108,17 +108,19 @@ fn precisions_are_those_of_numpy() {
     assert!(run.stdout.contains("precisions found"), "{}", run.stdout);
     assert!(run.stdout.contains("with them the cost is"), "{}", run.stdout);
     assert!(found["precisions"]["adjustments"].as_u64() > Some(1), "{found}");
-    // Three points chosen to agree: nothing is left over to tell how good they are.
+    // Three control points: too few to tell how good they are.
     let few = data("control.csv").lines().take(4).collect::<Vec<_>>().join("\n");
     folder.write("control.csv", few + "\n");
     let run = folder.run(&[&START[..], &CONTROL, &["--variances"]].concat());
     assert_eq!(run.code, 1, "{run:?}");
-    assert!(run.stderr.contains("--variances: "), "{}", run.stderr);
+    assert!(run.stderr.contains("the control points agree with the rest"), "{}", run.stderr);
 }
 
 #[test]
 fn the_protocol_names_what_was_given() {
     let folder = folder();
+    let run = folder.succeed(&[&START[..], &["--check", "check.csv"], &CONTROL[2..]].concat());
+    assert!(run.stdout.contains("in the block's own frame"), "{}", run.stdout);
     let more = "c9,389400,5819700,40,1,1,1\n";
     folder.write("control.csv", data("control.csv") + more);
     folder.write("clicks.csv", data("clicks.csv") + "1,x9,1,2,1\n");

@@ -71,7 +71,9 @@ def figure(out, files):
         own = {}
         for r in rows:
             if os.path.basename(r["file"]) == problem:
-                own.setdefault(r.get("kind", r["solver"]), r)
+                own.setdefault(r.get("kind", r["solver"]), []).append(r)
+        # The run of median length.
+        own = {name: sorted(runs, key=lambda r: r["total_s"])[len(runs) // 2] for name, runs in own.items()}
         best = min(t[1] for r in own.values() for t in r["trace"])
         lines = {name: [(max(t[3], 1e-3), max(t[1] / best - 1, 1e-6)) for t in r["trace"] if len(t) > 3] for name, r in own.items()}
         times = [t for line in lines.values() for t, _ in line[1:]] or [1.0]
@@ -79,7 +81,7 @@ def figure(out, files):
         c1 = math.ceil(math.log10(max(c for line in lines.values() for _, c in line)))
         x = lambda t: 50 + (wide - 190) * (math.log10(t) - t0) / max(t1 - t0, 1)
         y = lambda c: high * k + 30 + (high - 70) * (c1 - math.log10(c)) / (c1 + 6)
-        text.append(f'<text x="50" y="{high * k + 18}" font-weight="bold">{problem}</text>')
+        text.append(f'<text x="50" y="{high * k + 18}" font-weight="bold">{problem.removesuffix(".txt").removesuffix("-pre")}</text>')
         for d in range(t0, t1 + 1):
             text.append(f'<path d="M{x(10**d):.1f} {y(10**c1):.1f}V{y(1e-6):.1f}" stroke="#ddd"/>'
                         f'<text x="{x(10**d):.1f}" y="{y(1e-6) + 14:.1f}" text-anchor="middle">{10.0**d:g} s</text>')
@@ -90,7 +92,9 @@ def figure(out, files):
         for n, (name, line) in enumerate(lines.items()):
             points = " ".join(f"{x(t):.1f},{y(c):.1f}" for t, c in line[1:])
             colour = COLOURS[n % len(COLOURS)]
-            text.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.6"/>'
+            mark = (f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.6"/>' if len(line) > 2 else
+                    f'<circle cx="{points.split(",")[0]}" cy="{points.split(",")[1]}" r="3.5" fill="{colour}"/>')
+            text.append(f'{mark}'
                         f'<text x="{wide - 132}" y="{high * k + 42 + 15 * n}" fill="{colour}">{name}</text>')
     text.append("</svg>")
     with open(out, "w") as f:

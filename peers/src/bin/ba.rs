@@ -47,6 +47,9 @@ fn random(state: &mut u64) -> f64 {
     bits as f64 / (1u64 << 52) as f64 - 1.0
 }
 
+/// For the machine to spread the threads over its cores.
+const WARMING: std::time::Duration = std::time::Duration::from_millis(300);
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let (mut file, mut save) = (None, None);
@@ -88,6 +91,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cameras = bal.cameras.len();
     let rest = save.is_some().then_some(bal);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    // Threads that have slept share a core for their first tenth of a second: they are woken before the clock starts.
+    pool.broadcast(|_| {
+        let woken = Instant::now();
+        while woken.elapsed() < WARMING {
+            std::hint::spin_loop();
+        }
+    });
     let mut options =
         BundleOptions { outside: OutsideRule::Formula, solver, ..BundleOptions::default() };
     options.least_squares.max_iterations = steps;
