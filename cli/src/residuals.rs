@@ -75,6 +75,7 @@ pub fn to_svg(points: &[Vector], sheet: &Sheet, exaggeration: f64) -> String {
          <g font-family=\"sans-serif\" font-size=\"{text:.1}\" fill=\"#333\">",
         900.0 * down / across,
     );
+    let mut labels = Vec::new();
     for point in points {
         let [x, y] = point.at;
         let color = if point.residual.is_some() { "#2c6fbb" } else { "#999" };
@@ -97,18 +98,16 @@ pub fn to_svg(points: &[Vector], sheet: &Sheet, exaggeration: f64) -> String {
             );
         }
         if points.len() <= NAMED {
-            // On the side where the vector is not, and within the picture.
-            let right = x - left > 0.75 * width;
-            let (aside, anchor) =
-                if right { (-6.0 * stroke, "end") } else { (6.0 * stroke, "start") };
-            let above = if end[1] < y { 6.0 * stroke + 0.7 * text } else { -6.0 * stroke };
+            let label = Label::beside(point, end, sheet, points, &labels);
             let _ = writeln!(
                 svg,
-                "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{anchor}\">{}</text>",
-                x + aside,
-                y + above,
+                "<text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{}\">{}</text>",
+                label.x,
+                label.y,
+                label.anchor,
                 escaped(&point.name),
             );
+            labels.push(label);
         }
     }
     let bar = round(sheet.longer() / 6.0 / exaggeration);
@@ -123,6 +122,56 @@ pub fn to_svg(points: &[Vector], sheet: &Sheet, exaggeration: f64) -> String {
         below + 1.4 * text,
     );
     svg
+}
+
+/// A name at its place.
+struct Label {
+    x: f64,
+    y: f64,
+    anchor: &'static str,
+    /// What it covers: left, top, right, bottom.
+    covers: [f64; 4],
+}
+
+impl Label {
+    /// The place for a point's name: of the four corners about the point the one that covers least of the names before it,
+    /// of the points and of what lies beyond the picture; the side where the vector is not goes first.
+    fn beside(
+        point: &Vector,
+        end: [f64; 2],
+        sheet: &Sheet,
+        points: &[Vector],
+        before: &[Self],
+    ) -> Self {
+        let (gap, text) = (6.0 * sheet.longer() / 800.0, sheet.longer() / 45.0);
+        // The mean advance of a sans-serif letter is about 0.55 of its size.
+        let width = 0.55 * text * point.name.chars().count() as f64;
+        let [x, y] = point.at;
+        let (under, over) = (y + gap + 0.7 * text, y - gap);
+        let [first, second] = if end[1] < y { [under, over] } else { [over, under] };
+        let mut best: Option<(f64, Self)> = None;
+        for (right, y) in [(true, first), (false, first), (true, second), (false, second)] {
+            let (x, anchor, from) =
+                if right { (x + gap, "start", x + gap) } else { (x - gap, "end", x - gap - width) };
+            let covers = [from, y - 0.8 * text, from + width, y + 0.2 * text];
+            let [left, top] = sheet.corner;
+            let inside = overlap(&covers, &[left, top, left + sheet.size[0], top + sheet.size[1]]);
+            let mark = |p: &Vector| [p.at[0] - gap, p.at[1] - gap, p.at[0] + gap, p.at[1] + gap];
+            let cost = (text * width - inside)
+                + before.iter().map(|l| overlap(&covers, &l.covers)).sum::<f64>()
+                + points.iter().map(|p| overlap(&covers, &mark(p))).sum::<f64>();
+            if best.as_ref().is_none_or(|(least, _)| cost < least - 1e-9 * text * text) {
+                best = Some((cost, Self { x, y, anchor, covers }));
+            }
+        }
+        best.map_or(Self { x, y: first, anchor: "start", covers: [0.0; 4] }, |(_, label)| label)
+    }
+}
+
+/// The area that two rectangles share.
+fn overlap(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    let side = |i: usize| (a[i + 2].min(b[i + 2]) - a[i].max(b[i])).max(0.0);
+    side(0) * side(1)
 }
 
 /// More points than these are drawn small and without their names.
