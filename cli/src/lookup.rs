@@ -8,7 +8,7 @@ use std::thread;
 use anyhow::{Error, Result, anyhow, bail};
 use collinear::ProjectionError;
 use collinear::error::Brief;
-use collinear::mapping::{Map, RowCoords};
+use collinear::mapping::{BlockSink, Map};
 use collinear::nalgebra::{Matrix2, Point2};
 use collinear::resample::{Border, Filter, ImageView, ImageViewMut, warp};
 use collinear_io::picture::Picture;
@@ -241,24 +241,18 @@ impl Map for Band<'_> {
         self.map.jacobian(&self.whole(screen))
     }
 
-    fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
-        self.map.row(line + self.first, samples, out);
+    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
         let mut inside = self.inside.lock().unwrap_or_else(PoisonError::into_inner);
         let start = line as usize * self.width;
-        // As a lookup with a transparent border decides: by the texel that contains the point.
-        let within = |origin: i32, offset: f32, size: i64| {
-            let truncated = offset as i32;
-            let texel = origin + truncated - i32::from(offset < truncated as f32);
-            (0..size).contains(&i64::from(texel))
-        };
-        let [w, h] = self.size.map(i64::from);
-        for run in out.runs() {
-            let (u, v) = out.offsets(run);
-            for ((x, u), v) in run.pixels().zip(u).zip(v) {
+        let [w, h] = self.size.map(f64::from);
+        self.map.blocks(line + self.first, samples, &mut |x, u, v| {
+            // As a lookup with a transparent border decides: by the texel that contains the point.
+            for (x, (u, v)) in (x..).zip(u.iter().zip(v)) {
                 if let Some(mark) = inside.get_mut(start + x as usize) {
-                    *mark = within(run.origin[0], *u, w) && within(run.origin[1], *v, h);
+                    *mark = (0.0..w).contains(u) && (0.0..h).contains(v);
                 }
             }
-        }
+            emit(x, u, v);
+        });
     }
 }

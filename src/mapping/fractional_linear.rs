@@ -7,7 +7,7 @@ use nalgebra::{
 };
 
 use super::span::Span;
-use super::{Map, RowCoords, pointwise_row};
+use super::{BlockSink, Map, pointwise_blocks, span_blocks};
 use crate::camera::HomogeneousCamera;
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Homography, Plane};
@@ -393,18 +393,21 @@ impl Map for FractionalLinear {
         ) / w)
     }
 
-    /// Solves both conditions for their interval, then walks it with three additions, one division and two products a pixel.
-    fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
-        out.clear();
-        let [p, q, r] = self.coefficients();
-        match Span::on_line([p, q], r, line) {
-            Ok(span) => {
-                let valid = self.valid_samples(line, samples);
-                span.walk(valid, |x, [u, v]| out.push_block(x, u, v));
-            }
-            // Coefficients too small or too large for a span, which no camera has.
-            Err(_) => pointwise_row(|p| self.at(p), line, samples, out),
+    /// Walks the [`span`](Map::span) with three additions, one division and two products a pixel.
+    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
+        match self.span(line, samples.clone()) {
+            Some((span, valid)) => span_blocks(&span, valid, emit),
+            None => pointwise_blocks(|p| self.at(p), line, samples, emit),
         }
+    }
+
+    /// Solves both conditions for their interval; `None` for coefficients too small or too large for a span, which no camera
+    /// has.
+    fn span(&self, line: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {
+        let [p, q, r] = self.coefficients();
+        let span = Span::on_line([p, q], r, line).ok()?;
+        let valid = span.valid_interval(self.valid_samples(line, samples));
+        Some((span, valid))
     }
 }
 

@@ -31,6 +31,9 @@ pub use sensor::SensorMap;
 
 use crate::error::ProjectionError;
 
+/// Takes neighbouring pixels of a row: the first one's x, and the texture coordinates u and v there and at those that follow.
+pub type BlockSink<'a> = dyn FnMut(i32, &[f64], &[f64]) + 'a;
+
 /// A map from the screen into a texture, both in pixels.
 ///
 /// *Frames.* Screen points (S, L) and texture points (u, v) are continuous, from the top-left corner of the top-left
@@ -84,30 +87,71 @@ pub trait Map: Debug + Send + Sync {
     /// As [`at`](Self::at).
     fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError>;
 
-    /// The texture coordinates at the centres of the pixels `samples` of row `line`.
+    /// The texture coordinates at the centres of the pixels `samples` of row `line`, in `f64`.
     ///
-    /// `out` is cleared and filled with runs of valid coordinates, ascending in x; pixels in no run show nothing. Each
-    /// pixel's coordinates depend on its own (x, y) alone, not on where the range begins.
+    /// `emit` is called with the x of a first pixel and the u and v there and at the pixels that follow, ascending, at
+    /// most 64 at once; pixels that are not handed out show nothing. Coordinates may be infinite or NaN where they
+    /// overflow. Each pixel's coordinates depend on its own (x, y) alone, not on where the range begins.
     ///
     /// The default asks [`at`](Self::at) at each pixel. A projective map solves for the valid interval instead and
     /// walks it with one division a pixel.
+    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
+        pointwise_blocks(|p| self.at(p), line, samples, emit);
+    }
+
+    /// The pixels `samples` of row `line` that show something as a hyperbolic span, with its attributes u and v, and which
+    /// pixels those are; `None` where a row is none.
+    ///
+    /// A caller that knows spans takes a projective map's rows without a word of memory between the map and what it
+    /// does with them. The default is `None`.
+    fn span(&self, line: i32, samples: Range<i32>) -> Option<(span::Span<2>, Range<i32>)> {
+        let _ = (line, samples);
+        None
+    }
+
+    /// The texture coordinates at the centres of the pixels `samples` of row `line`, as a renderer reads them.
+    ///
+    /// `out` is cleared and filled with runs of the coordinates of [`blocks`](Self::blocks), ascending in x; pixels in no
+    /// run show nothing.
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
-        pointwise_row(|p| self.at(p), line, samples, out);
+        out.clear();
+        self.blocks(line, samples, &mut |x, u, v| out.push_block(x, u, v));
     }
 }
 
+/// A row that is a span.
+fn span_blocks(span: &span::Span<2>, valid: Range<i32>, emit: &mut BlockSink<'_>) {
+    crate::numeric::vectorised(
+        #[inline(always)]
+        || span.walk(valid, |x, [u, v]| emit(x, u, v)),
+    );
+}
+
 /// A row by its pixels, one at a time.
-fn pointwise_row(
+fn pointwise_blocks(
     at: impl Fn(&Point2<f64>) -> Result<Point2<f64>, ProjectionError>,
     line: i32,
     samples: Range<i32>,
-    out: &mut RowCoords,
+    emit: &mut BlockSink<'_>,
 ) {
-    out.clear();
     let y = f64::from(line) + 0.5;
+    let (mut u, mut v) = ([0.0; span::BLOCK], [0.0; span::BLOCK]);
+    let (mut first, mut count) = (samples.start, 0);
     for x in samples {
-        if let Ok(p) = at(&Point2::new(f64::from(x) + 0.5, y)) {
-            out.push(x, p.x, p.y);
+        let point = at(&Point2::new(f64::from(x) + 0.5, y)).ok();
+        if count == span::BLOCK || (count > 0 && point.is_none()) {
+            emit(first, &u[..count], &v[..count]);
+            count = 0;
         }
+        if let Some(p) = point {
+            if count == 0 {
+                first = x;
+            }
+            (u[count], v[count]) = (p.x, p.y);
+            count += 1;
+        }
+    }
+    if count > 0 {
+        emit(first, &u[..count], &v[..count]);
     }
 }

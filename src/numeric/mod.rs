@@ -13,3 +13,6 @@ pub mod robust_loss;
 pub(crate) mod scalar;
 pub(crate) mod triangular;
 pub(crate) mod twofold;
+mod vector;
+
+pub(crate) use vector::vectorised;

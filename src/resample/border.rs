@@ -1,5 +1,7 @@
 //! What lies beyond a picture's edge.
 
+use super::image::Sample;
+
 /// What a filter reads where there is no texel.
 ///
 /// ```
@@ -37,54 +39,30 @@ pub enum Border {
     Mirror,
 }
 
-/// The texel that a tap at `i` reads along an axis of `n` ≥ 1 texels; `None` for the constant.
-pub(super) trait Edge: Copy {
-    /// Whether a position outside the picture paints nothing.
-    const TRANSPARENT: bool = false;
-    fn texel(i: i32, n: i32) -> Option<usize>;
-}
+impl Border {
+    /// The texel that a tap at `i` reads along an axis of `n` ≥ 1 texels; `None` for the constant.
+    #[inline]
+    pub(super) fn texel(self, i: i32, n: i32) -> Option<usize> {
+        match self {
+            Self::Constant(_) => (0..n).contains(&i).then_some(i as usize),
+            Self::Transparent | Self::Clamp => Some(i.clamp(0, n - 1) as usize),
+            Self::Repeat => Some(i.rem_euclid(n) as usize),
+            Self::Mirror => {
+                let (i, n) = (i64::from(i), i64::from(n));
+                let k = i.rem_euclid(2 * n);
+                Some(if k < n { k } else { 2 * n - 1 - k } as usize)
+            }
+        }
+    }
 
-#[derive(Clone, Copy)]
-pub(super) struct Transparent;
-#[derive(Clone, Copy)]
-pub(super) struct Constant;
-#[derive(Clone, Copy)]
-pub(super) struct Clamp;
-#[derive(Clone, Copy)]
-pub(super) struct Repeat;
-#[derive(Clone, Copy)]
-pub(super) struct Mirror;
-
-impl Edge for Transparent {
-    const TRANSPARENT: bool = true;
+    /// The constant in the picture's own samples; zero for the other borders.
     #[inline]
-    fn texel(i: i32, n: i32) -> Option<usize> {
-        Clamp::texel(i, n)
-    }
-}
-impl Edge for Constant {
-    #[inline]
-    fn texel(i: i32, n: i32) -> Option<usize> {
-        (0..n).contains(&i).then_some(i as usize)
-    }
-}
-impl Edge for Clamp {
-    #[inline]
-    fn texel(i: i32, n: i32) -> Option<usize> {
-        Some(i.clamp(0, n - 1) as usize)
-    }
-}
-impl Edge for Repeat {
-    #[inline]
-    fn texel(i: i32, n: i32) -> Option<usize> {
-        Some(i.rem_euclid(n) as usize)
-    }
-}
-impl Edge for Mirror {
-    #[inline]
-    fn texel(i: i32, n: i32) -> Option<usize> {
-        let (i, n) = (i64::from(i), i64::from(n));
-        let k = i.rem_euclid(2 * n);
-        Some(if k < n { k } else { 2 * n - 1 - k } as usize)
+    pub(super) fn constant<T: Sample, const C: usize>(self) -> [T; C] {
+        match self {
+            Self::Constant(value) => {
+                core::array::from_fn(|k| T::from_f32(value.get(k).copied().unwrap_or(0.0)))
+            }
+            _ => [T::default(); C],
+        }
     }
 }

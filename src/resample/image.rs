@@ -2,40 +2,41 @@
 
 use crate::error::Error;
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for u8 {}
-    impl Sealed for f32 {}
-}
+use super::taps::Packed;
 
-/// A sample of a picture: `u8` (0 to 255) or `f32` (any range).
+/// A sample of a picture: `u8` (0 to 255), `u16` (0 to 65,535) or `f32` (any range).
 pub trait Sample:
-    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + sealed::Sealed + 'static
+    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Packed + 'static
 {
-    /// The value as a float: 0 to 255 for `u8`.
+    /// The value as a float: 0 to 255 for `u8`, 0 to 65,535 for `u16`.
     fn to_f32(self) -> f32;
-    /// The nearest sample: `u8` rounds half up and clamps to 0 and 255, NaN becomes 0.
+    /// The nearest sample: integers round half up and clamp to their range, NaN becomes 0.
     fn from_f32(value: f32) -> Self;
 }
 
-impl Sample for u8 {
-    #[inline]
-    fn to_f32(self) -> f32 {
-        f32::from(self)
-    }
-    #[inline]
-    fn from_f32(value: f32) -> Self {
-        // The cast truncates, saturates, and sends NaN to 0.
-        (value + 0.5) as Self
-    }
+macro_rules! integer_sample {
+    ($type:ty) => {
+        impl Sample for $type {
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                f32::from(self)
+            }
+            #[inline(always)]
+            fn from_f32(value: f32) -> Self {
+                Self::rounded(value)
+            }
+        }
+    };
 }
+integer_sample!(u8);
+integer_sample!(u16);
 
 impl Sample for f32 {
-    #[inline]
+    #[inline(always)]
     fn to_f32(self) -> f32 {
         self
     }
-    #[inline]
+    #[inline(always)]
     fn from_f32(value: f32) -> Self {
         value
     }
@@ -158,6 +159,12 @@ impl<'a, T: Sample, const C: usize> ImageView<'a, T, C> {
     #[must_use]
     pub fn height(&self) -> usize {
         self.height
+    }
+
+    /// All samples, and how many lie between the beginnings of two rows.
+    #[inline]
+    pub(super) fn samples(&self) -> (&'a [T], usize) {
+        (self.data, self.stride)
     }
 
     /// The samples of a pixel; `None` outside the picture.

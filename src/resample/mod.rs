@@ -1,20 +1,31 @@
 //! Pixels: views of pictures, filters, and a picture through a map.
 //!
-//! Pictures are borrowed ([`ImageView`], [`ImageViewMut`]): `u8` or `f32` samples, one to four interleaved channels, any
+//! Pictures are borrowed ([`ImageView`], [`ImageViewMut`]): `u8`, `u16` or `f32` samples, one to four interleaved channels, any
 //! stride. Texel (i, j) covers the square [i, i+1) × [j, j+1) and its value is that of its centre (i + ½, j + ½).
-//! [`warp`] sends a whole picture through a [`Map`](crate::mapping::Map); the texturer draws polygons with the same
-//! kernels.
+//! [`warp`] sends a whole picture through a [`Map`](crate::mapping::Map) with a [`Filter`]; [`sample`] looks up one
+//! position, and the texturer draws polygons with the same formulas.
+//!
+//! *Accuracy.* Positions are computed in `f64` and rounded to 2⁻³² texel, weights are `f32`, wherever in a picture of up to
+//! 524,288 pixels a side (beyond, positions are `f64`). Against lookups in `f64` of a picture of noise of 1920 × 1080 pixels no
+//! nearest pixel is another one, of 5 in a million bilinear 8-bit pixels the rounding differs, and of `f32` ones between 0 and 255
+//! the largest difference is 5·10⁻⁵, with cubics 10⁻⁴.
 //!
 #![doc = include_str!("../../docs/figures/resample.svg")]
 
+mod block;
 mod border;
+mod filter;
 mod image;
+mod kernel;
+mod position;
 mod sampler;
+mod taps;
 mod warp;
 
 pub use border::Border;
+pub use filter::{Cubic, Filter};
 pub use image::{ImageView, ImageViewMut, Sample};
-pub use sampler::{Filter, sample};
+pub use sampler::sample;
 pub use warp::warp;
 
-pub(crate) use sampler::{Visit, sample_with, visit_row};
+pub(crate) use sampler::{Visit, visit_row};

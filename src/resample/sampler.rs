@@ -1,22 +1,16 @@
-//! Nearest and bilinear lookups, one row of coordinates at a time.
+//! The value of a picture at one position, its taps looked up one by one: what lies at an edge, and what is drawn by pixels.
+
+use core::ops::Range;
 
 use nalgebra::Point2;
 
-use super::border::{Border, Clamp, Constant, Edge, Mirror, Repeat, Transparent};
+use super::border::Border;
+use super::filter::Filter;
 use super::image::{ImageView, Sample};
+use super::kernel::{CubicWeights, Kernel, LanczosWeights, bilinear, dot};
+use super::position;
 use crate::mapping::RowCoords;
-
-/// How a value is taken between texel centres.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Filter {
-    /// The texel that contains the position. Reproduces texels; jagged when magnified, aliases when minified.
-    Nearest,
-    /// The mean of the four texels whose centres surround the position, weighted by the opposite areas. Reproduces a
-    /// ramp exactly away from the edge; weights in `f32`. Aliases when minified.
-    #[default]
-    Bilinear,
-}
+use crate::mapping::span::Span;
 
 /// Called for each pixel of a row that a filter has a value for.
 pub(crate) trait Visit<T, const C: usize> {
@@ -26,23 +20,201 @@ pub(crate) trait Visit<T, const C: usize> {
     fn paint(&mut self, x: i32, value: [T; C]);
 }
 
-/// A lookup: the value at origin + offset, or nothing.
-trait Lookup<T: Sample, const C: usize> {
-    fn value(&self, origin: [i32; 2], u: f32, v: f32) -> Option<[T; C]>;
+/// A filter with its weights' coefficients.
+#[derive(Clone, Copy)]
+pub(super) enum Prepared {
+    Nearest,
+    Bilinear,
+    Cubic(CubicWeights),
+    Lanczos2(LanczosWeights<4>),
+    Lanczos3(LanczosWeights<6>),
+    Lanczos4(LanczosWeights<8>),
 }
 
-struct Nearest<'a, T, const C: usize, E> {
-    view: ImageView<'a, T, C>,
-    size: [i32; 2],
-    constant: [T; C],
-    edge: E,
+impl Prepared {
+    pub(super) fn new(filter: Filter) -> Self {
+        match filter {
+            Filter::Nearest => Self::Nearest,
+            Filter::Bilinear => Self::Bilinear,
+            Filter::Bicubic(cubic) => Self::Cubic(CubicWeights::new(cubic)),
+            Filter::Lanczos2 => Self::Lanczos2(LanczosWeights::new()),
+            Filter::Lanczos3 => Self::Lanczos3(LanczosWeights::new()),
+            Filter::Lanczos4 => Self::Lanczos4(LanczosWeights::new()),
+        }
+    }
 }
 
-struct Bilinear<'a, T, const C: usize, E> {
-    view: ImageView<'a, T, C>,
-    size: [i32; 2],
-    constant: [T; C],
-    edge: E,
+/// A picture with at least one pixel, a border and a filter.
+pub(super) struct Sampler<'a, T, const C: usize> {
+    pub(super) view: ImageView<'a, T, C>,
+    pub(super) border: Border,
+    pub(super) constant: [T; C],
+    pub(super) filter: Prepared,
+    pub(super) size: [i32; 2],
+}
+
+impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
+    /// `None` for a picture without pixels.
+    pub(super) fn new(view: ImageView<'a, T, C>, filter: Filter, border: Border) -> Option<Self> {
+        let size = [view.width() as i32, view.height() as i32];
+        (size[0] > 0 && size[1] > 0).then(|| Self {
+            view,
+            border,
+            constant: border.constant(),
+            filter: Prepared::new(filter),
+            size,
+        })
+    }
+
+    /// The value at a position; `None` outside a transparent border, for NaN and beyond
+    /// [`COORDINATE_LIMIT`](RowCoords::COORDINATE_LIMIT).
+    #[inline]
+    pub(super) fn at(&self, u: f64, v: f64) -> Option<[T; C]> {
+        let limit = RowCoords::COORDINATE_LIMIT;
+        if !(u.abs() <= limit && v.abs() <= limit) {
+            return None;
+        }
+        let texel = [u, v].map(|x| position::split(x, 0.0).0);
+        let [(i, fu), (j, fv)] = [u, v].map(|x| position::split(x, 0.5));
+        self.value(texel, [i, j], fu, fv)
+    }
+
+    /// Writes the value at a position: where there is none the border's constant, and nothing where it has none.
+    #[inline(never)]
+    pub(super) fn paint(&self, u: f64, v: f64, pixel: &mut [T]) {
+        match self.at(u, v) {
+            Some(value) => pixel.copy_from_slice(&value),
+            None => self.paint_border(pixel),
+        }
+    }
+
+    /// Writes what a pixel without a position gets: the border's constant, and nothing where it has none.
+    #[inline(always)]
+    pub(super) fn paint_border(&self, pixel: &mut [T]) {
+        if let Border::Constant(_) = self.border {
+            pixel.copy_from_slice(&self.constant);
+        }
+    }
+
+    /// The pixels of an interval whose filter of `taps` texels sees more than the border, and perhaps some beyond them.
+    #[inline]
+    pub(super) fn seen(&self, span: &Span<2>, valid: &Range<i32>, taps: usize) -> Range<i32> {
+        match self.border {
+            Border::Transparent | Border::Constant(_) => {}
+            _ => return valid.clone(),
+        }
+        // A texel more, so that rounding takes no pixel away.
+        let margin = taps as f64 / 2.0 + 1.0;
+        let [w, h] = self.size.map(f64::from);
+        let columns = span.interval_within(0, [-margin, w + margin], valid.clone());
+        span.interval_within(1, [-margin, h + margin], columns)
+    }
+
+    /// Whether a filter of `taps` texels whose first one stands in this column and row sees nothing but the border.
+    #[inline(always)]
+    pub(super) fn sees_border(&self, first: [u32; 2], taps: i32) -> bool {
+        let [low, high] = match self.border {
+            // The position lies beyond the middle taps.
+            Border::Transparent => [-1 - (taps + 1) / 2, 1 - (taps + 1) / 2],
+            Border::Constant(_) => [-taps, 0],
+            _ => return false,
+        };
+        let beyond = |first: u32, size: i32| {
+            let first = first as i32;
+            first <= low || first >= size + high
+        };
+        beyond(first[0], self.size[0]) || beyond(first[1], self.size[1])
+    }
+
+    /// The value where the position lies in `texel`, and by the fractions behind the centre of texel `at`.
+    #[inline]
+    fn value(&self, texel: [i32; 2], at: [i32; 2], fu: f32, fv: f32) -> Option<[T; C]> {
+        if self.border == Border::Transparent && self.outside(texel) {
+            return None;
+        }
+        Some(match &self.filter {
+            Prepared::Nearest => self.texel(texel[0], texel[1]),
+            Prepared::Bilinear => self.bilinear(at, fu, fv),
+            Prepared::Cubic(k) => self.separable(k, at, fu, fv),
+            Prepared::Lanczos2(k) => self.separable(k, at, fu, fv),
+            Prepared::Lanczos3(k) => self.separable(k, at, fu, fv),
+            Prepared::Lanczos4(k) => self.separable(k, at, fu, fv),
+        })
+    }
+
+    #[inline]
+    fn outside(&self, [i, j]: [i32; 2]) -> bool {
+        // One unsigned comparison tests both ends.
+        i as u32 >= self.size[0] as u32 || j as u32 >= self.size[1] as u32
+    }
+
+    #[inline]
+    fn texel(&self, i: i32, j: i32) -> [T; C] {
+        if !self.outside([i, j]) {
+            return self.view.pixel(i as usize, j as usize).unwrap_or(self.constant);
+        }
+        match (self.border.texel(i, self.size[0]), self.border.texel(j, self.size[1])) {
+            (Some(x), Some(y)) => self.view.pixel(x, y).unwrap_or(self.constant),
+            _ => self.constant,
+        }
+    }
+
+    #[inline]
+    fn bilinear(&self, [i, j]: [i32; 2], fu: f32, fv: f32) -> [T; C] {
+        let taps = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.texel(i, j));
+        core::array::from_fn(|k| T::from_f32(bilinear(taps.map(|t| t[k].to_f32()), fu, fv)))
+    }
+
+    #[inline]
+    fn separable<const N: usize>(
+        &self,
+        kernel: &impl Kernel<N>,
+        [i, j]: [i32; 2],
+        fu: f32,
+        fv: f32,
+    ) -> [T; C] {
+        let first = N as i32 / 2 - 1;
+        let corner = [i, j].map(|k| (k - first) as u32);
+        if self.sees_border(corner, N as i32) && self.border != Border::Transparent {
+            // Not the constant times a sum of weights, which rounding takes a little from one.
+            return self.constant;
+        }
+        let (columns, rows) = (kernel.weights(fu), kernel.weights(fv));
+        let mut sums = [[0.0; N]; C];
+        for (y, j) in (0..N).zip(j - first..) {
+            let mut taps = [[0.0; N]; C];
+            for (x, i) in (0..N).zip(i - first..) {
+                let texel = self.texel(i, j);
+                for k in 0..C {
+                    taps[k][x] = texel[k].to_f32();
+                }
+            }
+            for k in 0..C {
+                sums[k][y] = dot(&columns, &taps[k]);
+            }
+        }
+        sums.map(|sums| T::from_f32(dot(&rows, &sums)))
+    }
+
+    fn visit(&self, coords: &RowCoords, visit: &mut impl Visit<T, C>) {
+        for run in coords.runs() {
+            let (u, v) = coords.offsets(run);
+            let [ou, ov] = run.origin;
+            for ((x, &u), &v) in run.pixels().zip(u).zip(v) {
+                if !visit.wants(x) {
+                    continue;
+                }
+                let texel = [ou + floor(u), ov + floor(v)];
+                // Half a texel is exact in f32: offsets are below 2⁷.
+                let (u, v) = (u - 0.5, v - 0.5);
+                let (i, j) = (floor(u), floor(v));
+                let (fu, fv) = (u - i as f32, v - j as f32);
+                if let Some(value) = self.value(texel, [ou + i, ov + j], fu, fv) {
+                    visit.paint(x, value);
+                }
+            }
+        }
+    }
 }
 
 /// ⌊x⌋ for |x| < 2³¹. The cast truncates; without SSE4.1 it is cheaper than the library's floor.
@@ -52,99 +224,10 @@ fn floor(x: f32) -> i32 {
     truncated - i32::from(x < truncated as f32)
 }
 
-#[inline]
-fn texel<T: Sample, const C: usize, E: Edge>(
-    view: &ImageView<'_, T, C>,
-    _edge: E,
-    size: [i32; 2],
-    constant: [T; C],
-    i: i32,
-    j: i32,
-) -> [T; C] {
-    match (E::texel(i, size[0]), E::texel(j, size[1])) {
-        (Some(x), Some(y)) => view.pixel(x, y).unwrap_or(constant),
-        _ => constant,
-    }
-}
-
-#[inline]
-fn outside(i: i32, j: i32, size: [i32; 2]) -> bool {
-    // One unsigned comparison tests both ends.
-    i as u32 >= size[0] as u32 || j as u32 >= size[1] as u32
-}
-
-impl<T: Sample, const C: usize, E: Edge> Lookup<T, C> for Nearest<'_, T, C, E> {
-    #[inline]
-    fn value(&self, origin: [i32; 2], u: f32, v: f32) -> Option<[T; C]> {
-        let (i, j) = (origin[0] + floor(u), origin[1] + floor(v));
-        if E::TRANSPARENT {
-            if outside(i, j, self.size) {
-                return None;
-            }
-            return self.view.pixel(i as usize, j as usize);
-        }
-        Some(texel(&self.view, self.edge, self.size, self.constant, i, j))
-    }
-}
-
-impl<T: Sample, const C: usize, E: Edge> Lookup<T, C> for Bilinear<'_, T, C, E> {
-    #[inline]
-    fn value(&self, origin: [i32; 2], u: f32, v: f32) -> Option<[T; C]> {
-        if E::TRANSPARENT && outside(origin[0] + floor(u), origin[1] + floor(v), self.size) {
-            return None;
-        }
-        // Half a texel is exact in f32: offsets are below 2⁷.
-        let (u, v) = (u - 0.5, v - 0.5);
-        let (i, j) = (floor(u), floor(v));
-        let (fu, fv) = (u - i as f32, v - j as f32);
-        let (i, j) = (origin[0] + i, origin[1] + j);
-        let at = |i, j| texel(&self.view, self.edge, self.size, self.constant, i, j);
-        let [a, b, c, d] = if i >= 0 && j >= 0 && i + 1 < self.size[0] && j + 1 < self.size[1] {
-            let (x, y) = (i as usize, j as usize);
-            let inner = |x, y| self.view.pixel(x, y).unwrap_or(self.constant);
-            [inner(x, y), inner(x + 1, y), inner(x, y + 1), inner(x + 1, y + 1)]
-        } else {
-            [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]
-        };
-        Some(core::array::from_fn(|k| {
-            let top = a[k].to_f32() + fu * (b[k].to_f32() - a[k].to_f32());
-            let bottom = c[k].to_f32() + fu * (d[k].to_f32() - c[k].to_f32());
-            T::from_f32(top + fv * (bottom - top))
-        }))
-    }
-}
-
-fn visit_with<T: Sample, const C: usize>(
-    lookup: &impl Lookup<T, C>,
-    coords: &RowCoords,
-    visit: &mut impl Visit<T, C>,
-) {
-    for run in coords.runs() {
-        let (u, v) = coords.offsets(run);
-        for ((x, &u), &v) in run.pixels().zip(u).zip(v) {
-            if visit.wants(x)
-                && let Some(value) = lookup.value(run.origin, u, v)
-            {
-                visit.paint(x, value);
-            }
-        }
-    }
-}
-
-/// The constant of a border in the picture's own samples.
-pub(super) fn constant<T: Sample, const C: usize>(border: Border) -> [T; C] {
-    match border {
-        Border::Constant(value) => {
-            core::array::from_fn(|k| T::from_f32(value.get(k).copied().unwrap_or(0.0)))
-        }
-        _ => [T::default(); C],
-    }
-}
-
 /// The position has no value in a picture without pixels.
 pub(crate) struct Nothing;
 
-/// Looks up every pixel of a row and hands the values to `visit`. The filter and the border are chosen once a row.
+/// Looks up every pixel of a row and hands the values to `visit`.
 ///
 /// # Errors
 /// [`Nothing`] for a picture without pixels.
@@ -155,30 +238,7 @@ pub(crate) fn visit_row<T: Sample, const C: usize>(
     coords: &RowCoords,
     visit: &mut impl Visit<T, C>,
 ) -> Result<(), Nothing> {
-    if view.width() == 0 || view.height() == 0 {
-        return Err(Nothing);
-    }
-    let size = [view.width() as i32, view.height() as i32];
-    let constant = constant(border);
-    macro_rules! with {
-        ($edge:expr) => {
-            match filter {
-                Filter::Nearest => {
-                    visit_with(&Nearest { view, size, constant, edge: $edge }, coords, visit);
-                }
-                Filter::Bilinear => {
-                    visit_with(&Bilinear { view, size, constant, edge: $edge }, coords, visit);
-                }
-            }
-        };
-    }
-    match border {
-        Border::Transparent => with!(Transparent),
-        Border::Constant(_) => with!(Constant),
-        Border::Clamp => with!(Clamp),
-        Border::Repeat => with!(Repeat),
-        Border::Mirror => with!(Mirror),
-    }
+    Sampler::new(view, filter, border).ok_or(Nothing)?.visit(coords, visit);
     Ok(())
 }
 
@@ -202,29 +262,5 @@ pub fn sample<T: Sample, const C: usize>(
     filter: Filter,
     border: Border,
 ) -> Option<[T; C]> {
-    sample_with(view, position, filter, border, &mut RowCoords::new())
-}
-
-/// As [`sample`], with the memory of a row to work in.
-pub(crate) fn sample_with<T: Sample, const C: usize>(
-    view: ImageView<'_, T, C>,
-    position: &Point2<f64>,
-    filter: Filter,
-    border: Border,
-    coords: &mut RowCoords,
-) -> Option<[T; C]> {
-    struct One<P>(Option<P>);
-    impl<T, const C: usize> Visit<T, C> for One<[T; C]> {
-        fn wants(&mut self, _: i32) -> bool {
-            true
-        }
-        fn paint(&mut self, _: i32, value: [T; C]) {
-            self.0 = Some(value);
-        }
-    }
-    coords.clear();
-    coords.push(0, position.x, position.y);
-    let mut one = One(None);
-    visit_row(view, filter, border, coords, &mut one).ok()?;
-    one.0
+    Sampler::new(view, filter, border)?.at(position.x, position.y)
 }

@@ -1,25 +1,10 @@
 //! A whole picture through a map.
 
+use super::block::{BlockSampler, Positions};
 use super::border::Border;
+use super::filter::Filter;
 use super::image::{ImageView, ImageViewMut, Sample};
-use super::sampler::{Filter, Visit, constant, visit_row};
-use crate::mapping::{Map, RowCoords};
-
-struct RowPainter<'a, T, const C: usize>(&'a mut [T]);
-
-impl<T: Sample, const C: usize> Visit<T, C> for RowPainter<'_, T, C> {
-    #[inline]
-    fn wants(&mut self, _: i32) -> bool {
-        true
-    }
-    #[inline]
-    fn paint(&mut self, x: i32, value: [T; C]) {
-        let start = x as usize * C;
-        if let Some(pixel) = self.0.get_mut(start..start + C) {
-            pixel.copy_from_slice(&value);
-        }
-    }
-}
+use crate::mapping::Map;
 
 /// Paints `target` with what `map` finds in `source` at each pixel's centre.
 ///
@@ -47,20 +32,33 @@ pub fn warp<T: Sample, const C: usize>(
     border: Border,
     target: &mut ImageViewMut<'_, T, C>,
 ) {
-    if source.width() == 0 || source.height() == 0 {
-        return;
-    }
-    let mut coords = RowCoords::new();
+    let Some(mut sampler) = BlockSampler::new(source, filter, border) else { return };
     let width = target.width() as i32;
     for y in 0..target.height() {
         let row = target.row_mut(y);
-        if let Border::Constant(_) = border {
-            let value: [T; C] = constant(border);
-            for pixel in row.chunks_exact_mut(C) {
-                pixel.copy_from_slice(&value);
-            }
+        if let Some((span, valid)) = map.span(y as i32, 0..width) {
+            // A map may say anything of where it is valid.
+            let start = valid.start.clamp(0, width);
+            let valid = start..valid.end.clamp(start, width);
+            let (before, rest) = row.split_at_mut(start as usize * C);
+            let (seen, after) = rest.split_at_mut(valid.len() * C);
+            sampler.fill(before);
+            sampler.paint(&Positions::Span(span, valid), seen);
+            sampler.fill(after);
+            continue;
         }
-        map.row(y as i32, 0..width, &mut coords);
-        let _ = visit_row(source, filter, border, &coords, &mut RowPainter::<T, C>(row));
+        let mut done = 0;
+        map.blocks(y as i32, 0..width, &mut |x, u, v| {
+            let start = usize::try_from(x).unwrap_or(usize::MAX).saturating_mul(C);
+            let end = start.saturating_add(u.len().min(v.len()).saturating_mul(C));
+            // What is not right of what came before, or beyond the row, is no pixel of it.
+            if start < done || end > row.len() {
+                return;
+            }
+            sampler.fill(&mut row[done..start]);
+            sampler.paint(&Positions::Each(u, v), &mut row[start..end]);
+            done = end;
+        });
+        sampler.fill(&mut row[done..]);
     }
 }

@@ -11,8 +11,7 @@ use super::polygon::{Facing, ScreenPolygon};
 use crate::camera::{ExteriorOrientation, Orthographic, SensorModel};
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Affine2, HeightCurve, Locus, Plane, Ray, Surface, TriangleMesh, axes};
-use crate::mapping::RowCoords;
-use crate::resample::{Border, Filter, ImageView, ImageViewMut, Sample, sample_with};
+use crate::resample::{Border, Filter, ImageView, ImageViewMut, Sample, sample};
 
 /// Polygons that lines of sight are cast at.
 ///
@@ -422,10 +421,9 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
 
     /// Draws row `y`, of as many pixels as `row` has room for, and tells for each that it draws what is seen there.
     pub fn row(&self, y: usize, row: &mut [T], mut seen: impl FnMut(usize, &Sight)) {
-        let mut coords = RowCoords::new();
         for (x, pixel) in row.chunks_exact_mut(C.max(1)).enumerate() {
             let center = Point2::new(x as f64 + 0.5, y as f64 + 0.5);
-            if let Some((sight, value)) = self.value(&center, &mut coords) {
+            if let Some((sight, value)) = self.value(&center) {
                 pixel.copy_from_slice(&value);
                 seen(x, &sight);
             }
@@ -433,7 +431,7 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
     }
 
     /// What a point of the sensor's picture shows.
-    fn value(&self, image: &Point2<f64>, coords: &mut RowCoords) -> Option<(Sight, [T; C])> {
+    fn value(&self, image: &Point2<f64>) -> Option<(Sight, [T; C])> {
         let locus = self.screen.locus(image).ok()?;
         let mut value = None;
         let sight = self.facets.first(&locus, |sight| {
@@ -443,7 +441,7 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
                 Facing::Back => sight.from_front == Some(false),
             };
             if shown && sight.distance >= self.near {
-                value = self.paint(sight, coords);
+                value = self.paint(sight);
             }
             value.is_some()
         })?;
@@ -451,13 +449,13 @@ impl<T: Sample, const C: usize> RayCaster<'_, T, C> {
     }
 
     /// What a polygon shows where it is met.
-    fn paint(&self, sight: &Sight, coords: &mut RowCoords) -> Option<[T; C]> {
+    fn paint(&self, sight: &Sight) -> Option<[T; C]> {
         match self.paints.get(sight.polygon)? {
             RayPaint::Nothing => None,
             RayPaint::Flat(value) => Some(*value),
             RayPaint::Picture { image, coordinates, filter, border } => {
                 let position = coordinates(&sight.point).ok()?;
-                sample_with(*image, &position, *filter, *border, coords)
+                sample(*image, &position, *filter, *border)
             }
         }
     }

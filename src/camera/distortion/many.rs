@@ -8,6 +8,7 @@ use super::one_to_one::{OneToOne, along_radius, invert};
 use super::planar::Planar;
 use crate::numeric::float;
 use crate::numeric::scalar::Scalar;
+use crate::numeric::vectorised;
 
 /// How the undistortion of many points went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,13 +144,10 @@ pub(super) fn undistort_many<const N: usize, const D: usize, const T: u8, const 
         return report;
     }
     let start = Start::new(lens, farthest);
-    #[cfg(feature = "simd")]
-    {
-        let level = fearless_simd::Level::new();
-        fearless_simd::dispatch!(level, _simd => blocks(lens, &start, points))
-    }
-    #[cfg(not(feature = "simd"))]
-    blocks(lens, &start, points)
+    vectorised(
+        #[inline(always)]
+        || blocks(lens, &start, points),
+    )
 }
 
 /// The largest squared radius, eight points side by side; of a point that is no number there is none.

@@ -2,13 +2,13 @@
 
 use core::ops::Range;
 
-use super::linear::{LINEAR_ERROR, Linear};
+use super::linear::LINEAR_ERROR;
 use super::{BLOCK, Span};
 
 /// u, the unit roundoff of `f64`.
 const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Interleaved walks in one block.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 /// The most additions between an anchor and a pixel.
 const ADDITIONS: u32 = (BLOCK / LANES) as u32 - 1;
 /// A block is walked only if its denominators differ by no more than this factor.
@@ -75,48 +75,74 @@ impl<const N: usize> Span<N> {
     /// assert!((row[199] - 401.0 / 200.0).abs() <= span.walk_bound(0..200)[0]);
     /// # Ok::<(), collinear::Error>(())
     /// ```
+    #[inline(always)]
     pub fn walk(&self, range: Range<i32>, mut emit: impl FnMut(i32, [&[f64]; N])) {
         let valid = self.valid_interval(range);
         let mut values = [[0.0; BLOCK]; N];
-        let mut depths = [0.0; BLOCK];
         let mut x = valid.start;
         while x < valid.end {
             let anchor = x & !(BLOCK as i32 - 1);
             let from = (x - anchor) as usize;
             let count = ((valid.end - x) as usize).min(BLOCK - from);
-            if self.is_walkable(anchor) {
-                let at = self.relative(anchor);
-                walk_block(&self.denominator, at, &mut depths);
-                for r in &mut depths[from..from + count] {
-                    *r = 1.0 / *r;
+            self.walk_block(anchor, |start, lanes| {
+                for (values, lanes) in values.iter_mut().zip(lanes) {
+                    values[start..start + LANES].copy_from_slice(&lanes);
                 }
-                for (values, numerator) in values.iter_mut().zip(&self.numerators) {
-                    walk_block(numerator, at, values);
-                    for (v, r) in values.iter_mut().zip(&depths) {
-                        *v *= r;
-                    }
-                }
-                emit(x, values.each_ref().map(|v| &v[from..from + count]));
-            } else {
-                self.fill_exact(x, count, &mut values);
-                emit(x, values.each_ref().map(|v| &v[..count]));
-            }
+            });
+            emit(x, values.each_ref().map(|v| &v[from..from + count]));
             x += count as i32;
         }
     }
 
-    /// The denominators at the ends of the block from `anchor` on.
-    fn block_depths(&self, anchor: i32) -> [f64; 2] {
+    /// The attributes of the 64 pixels from `anchor` on, a multiple of 64, as [`walk`](Self::walk) has them: `emit` is called
+    /// with the number of a first pixel and the attributes there and at the seven that follow. Outside the valid interval
+    /// they are without meaning.
+    #[inline(always)]
+    pub(crate) fn walk_block(&self, anchor: i32, mut emit: impl FnMut(usize, [[f64; LANES]; N])) {
         let x = self.relative(anchor);
-        [self.denominator.at(x), self.denominator.at(x + (BLOCK - 1) as f64)]
+        let mut depths = [0.0; LANES];
+        self.denominator.fill(x, &mut depths);
+        if !self.is_walkable(depths[0]) {
+            let mut values = [[0.0; BLOCK]; N];
+            self.fill_exact(anchor, BLOCK, &mut values);
+            for start in (0..BLOCK).step_by(LANES) {
+                emit(start, values.map(|v| core::array::from_fn(|i| v[start + i])));
+            }
+            return;
+        }
+        // Of each form eight exact values, and eight chains of additions.
+        let depth_step = LANES as f64 * self.denominator.step;
+        let mut sums = [[0.0; LANES]; N];
+        let mut steps = [0.0; N];
+        for k in 0..N {
+            self.numerators[k].fill(x, &mut sums[k]);
+            steps[k] = LANES as f64 * self.numerators[k].step;
+        }
+        // All forms advance together, so that nothing but the quotients leaves the registers.
+        for start in (0..BLOCK).step_by(LANES) {
+            let mut reciprocals = [0.0; LANES];
+            for i in 0..LANES {
+                reciprocals[i] = 1.0 / depths[i];
+                depths[i] += depth_step;
+            }
+            let mut values = [[0.0; LANES]; N];
+            for k in 0..N {
+                for i in 0..LANES {
+                    values[k][i] = sums[k][i] * reciprocals[i];
+                    sums[k][i] += steps[k];
+                }
+            }
+            emit(start, values);
+        }
     }
 
-    /// Whether the block's denominators differ little. Of a block with valid pixels at least one is positive, and the
-    /// comparisons then fail unless both are.
-    #[inline]
-    fn is_walkable(&self, anchor: i32) -> bool {
-        let [a, b] = self.block_depths(anchor);
-        a <= WALKABLE * b && b <= WALKABLE * a
+    /// Whether the denominators of a block differ little, by the one at its first pixel. Of a block with valid pixels at least
+    /// one is positive, and the comparisons then fail unless both ends are.
+    #[inline(always)]
+    fn is_walkable(&self, first: f64) -> bool {
+        // Where the comparisons hold nothing has cancelled.
+        let last = first + (BLOCK - 1) as f64 * self.denominator.step;
+        first <= WALKABLE * last && last <= WALKABLE * first
     }
 
     /// How far an attribute of [`walk`](Self::walk) can be from the exact ratio at the valid pixels of `range`.
@@ -133,7 +159,8 @@ impl<const N: usize> Span<N> {
         let mut anchor = valid.start & !(BLOCK as i32 - 1);
         while anchor < valid.end {
             let block = anchor..anchor + BLOCK as i32;
-            let of_block = if self.is_walkable(anchor) {
+            let first = self.denominator.at(self.relative(anchor));
+            let of_block = if self.is_walkable(first) {
                 self.bound(block, ADDITIONS)
             } else {
                 self.exact_bound(block.start.max(valid.start)..block.end.min(valid.end))
@@ -220,15 +247,5 @@ impl<const N: usize> Span<N> {
             let forms = (error + ratio * depth_error) / least;
             (forms + 2.5 * UNIT * (ratio + forms)) * OUTWARD
         })
-    }
-}
-
-/// The values of one form at the 64 pixels from x on: eight exact ones, and eight chains of additions.
-#[inline(always)]
-fn walk_block(form: &Linear, x: f64, values: &mut [f64; BLOCK]) {
-    form.fill(x, &mut values[..LANES]);
-    let step = LANES as f64 * form.step;
-    for i in LANES..BLOCK {
-        values[i] = values[i - LANES] + step;
     }
 }

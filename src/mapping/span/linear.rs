@@ -48,8 +48,10 @@ impl Linear {
     /// The values at x, x + 1, ….
     #[inline(always)]
     pub(super) fn fill(&self, x: f64, values: &mut [f64]) {
-        for (value, i) in values.iter_mut().zip(&RAMP) {
-            *value = self.at(x + i);
+        let count = values.len().min(RAMP.len());
+        let (values, ramp) = (&mut values[..count], &RAMP[..count]);
+        for i in 0..count {
+            values[i] = self.at(x + ramp[i]);
         }
     }
 }

@@ -41,6 +41,8 @@ pub use constant_depth::ConstantDepthLines;
 
 use crate::error::{Error, ProjectionError};
 use crate::numeric::twofold::Twofold;
+#[cfg(feature = "std")]
+pub(crate) use hyperbolic::LANES;
 use linear::Linear;
 
 /// Pixels between two anchors of an incremental walk, and the most pixels handed out at once.
@@ -346,5 +348,36 @@ impl<const N: usize> Span<N> {
             }
             start..edge
         }
+    }
+
+    /// The pixels of a valid interval where attribute `k` may lie between two values: one interval, a little wider than that.
+    ///
+    /// Left and right of it the attribute lies beyond one of the values by more than the rounding of their difference from
+    /// it, at pixels within [`PIXEL_LIMIT`](Self::PIXEL_LIMIT) of the origin.
+    #[cfg(feature = "std")]
+    pub(crate) fn interval_within(
+        &self,
+        k: usize,
+        [low, high]: [f64; 2],
+        valid: Range<i32>,
+    ) -> Range<i32> {
+        let (n, d) = (&self.numerators[k], &self.denominator);
+        // uₖ ≥ low is n − low d ≥ 0 where d > 0, and so for high.
+        let above = [n.at_origin - low * d.at_origin, n.step - low * d.step];
+        let below = [high * d.at_origin - n.at_origin, high * d.step - n.step];
+        [above, below].into_iter().fold(valid, |range, [at_origin, step]| {
+            let root = f64::from(self.origin) - at_origin / step;
+            // The cast saturates, and sends NaN to 0.
+            let clamped = |x: f64| (x as i32).clamp(range.start, range.end);
+            if step > 0.0 {
+                clamped(root - 2.0)..range.end
+            } else if step < 0.0 {
+                range.start..clamped(root + 3.0)
+            } else if at_origin < 0.0 {
+                range.start..range.start
+            } else {
+                range
+            }
+        })
     }
 }
