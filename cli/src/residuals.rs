@@ -50,6 +50,16 @@ impl Sheet {
     fn longer(&self) -> f64 {
         self.size[0].max(self.size[1])
     }
+
+    /// The width of a thin line.
+    fn stroke(&self) -> f64 {
+        self.longer() / 800.0
+    }
+
+    /// The size of letters.
+    fn text(&self) -> f64 {
+        self.longer() / 45.0
+    }
 }
 
 /// The SVG of a picture's frame with each point's residual as a vector from where the point was measured towards where it was
@@ -57,7 +67,7 @@ impl Sheet {
 #[must_use]
 pub fn to_svg(points: &[Vector], sheet: &Sheet, exaggeration: f64) -> String {
     let Sheet { corner: [left, top], size: [width, height] } = *sheet;
-    let (stroke, text) = (sheet.longer() / 800.0, sheet.longer() / 45.0);
+    let (stroke, text) = (sheet.stroke(), sheet.text());
     let margin = 3.0 * text;
     let [from, above] = [left - margin, top - margin];
     let [across, down] = [width + 2.0 * margin, height + 2.5 * margin];
@@ -143,7 +153,7 @@ impl Label {
         points: &[Vector],
         before: &[Self],
     ) -> Self {
-        let (gap, text) = (6.0 * sheet.longer() / 800.0, sheet.longer() / 45.0);
+        let (gap, text) = (6.0 * sheet.stroke(), sheet.text());
         // The mean advance of a sans-serif letter is about 0.55 of its size.
         let width = 0.55 * text * point.name.chars().count() as f64;
         let [x, y] = point.at;

@@ -4,8 +4,8 @@ use core::ops::Range;
 
 use nalgebra::{Matrix2, Point2};
 
+use super::Map;
 use super::span::Span;
-use super::{BlockSink, Map, pointwise_blocks, span_blocks};
 use crate::error::ProjectionError;
 use crate::geometry::Affine2;
 
@@ -18,13 +18,6 @@ impl Map for Affine2 {
 
     fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
         self.at(screen).map(|_| self.linear)
-    }
-
-    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
-        match self.span(line, samples.clone()) {
-            Some((span, valid)) => span_blocks(&span, valid, emit),
-            None => pointwise_blocks(|p| self.at(p), line, samples, emit),
-        }
     }
 
     fn span(&self, line: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {

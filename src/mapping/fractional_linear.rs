@@ -6,8 +6,8 @@ use nalgebra::{
     Matrix2, Matrix3, Matrix3x4, Matrix4x3, Point2, Point3, RowVector3, Vector3, Vector4,
 };
 
+use super::Map;
 use super::span::Span;
-use super::{BlockSink, Map, pointwise_blocks, span_blocks};
 use crate::camera::HomogeneousCamera;
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Homography, Plane};
@@ -391,14 +391,6 @@ impl Map for FractionalLinear {
             m.m21 - p.y * m.m31,
             m.m22 - p.y * m.m32,
         ) / w)
-    }
-
-    /// Walks the [`span`](Map::span) with three additions, one division and two products a pixel.
-    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
-        match self.span(line, samples.clone()) {
-            Some((span, valid)) => span_blocks(&span, valid, emit),
-            None => pointwise_blocks(|p| self.at(p), line, samples, emit),
-        }
     }
 
     /// Solves both conditions for their interval; `None` for coefficients too small or too large for a span, which no camera

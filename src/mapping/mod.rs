@@ -93,10 +93,16 @@ pub trait Map: Debug + Send + Sync {
     /// most 64 at once; pixels that are not handed out show nothing. Coordinates may be infinite or NaN where they
     /// overflow. Each pixel's coordinates depend on its own (x, y) alone, not on where the range begins.
     ///
-    /// The default asks [`at`](Self::at) at each pixel. A projective map solves for the valid interval instead and
-    /// walks it with one division a pixel.
+    /// The default walks the row's [`span`](Self::span), with three additions, one division and two products a pixel, and
+    /// asks [`at`](Self::at) at each pixel where a row is none.
     fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
-        pointwise_blocks(|p| self.at(p), line, samples, emit);
+        match self.span(line, samples.clone()) {
+            Some((span, valid)) => crate::numeric::vectorised(
+                #[inline(always)]
+                || span.walk(valid, |x, [u, v]| emit(x, u, v)),
+            ),
+            None => pointwise_blocks(|p| self.at(p), line, samples, emit),
+        }
     }
 
     /// The pixels `samples` of row `line` that show something as a hyperbolic span, with its attributes u and v, and which
@@ -117,14 +123,6 @@ pub trait Map: Debug + Send + Sync {
         out.clear();
         self.blocks(line, samples, &mut |x, u, v| out.push_block(x, u, v));
     }
-}
-
-/// A row that is a span.
-fn span_blocks(span: &span::Span<2>, valid: Range<i32>, emit: &mut BlockSink<'_>) {
-    crate::numeric::vectorised(
-        #[inline(always)]
-        || span.walk(valid, |x, [u, v]| emit(x, u, v)),
-    );
 }
 
 /// A row by its pixels, one at a time.

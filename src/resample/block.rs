@@ -57,6 +57,15 @@ impl Words {
     const EMPTY: Self = Self { pairs: [[[0; 2]; BLOCK]; MOST_WORDS / 2], last: [0; BLOCK] };
 }
 
+/// The taps of a block.
+struct Taps<'a, T> {
+    places: Places<'a, T>,
+    /// Samples from a row of taps to the next.
+    stride: usize,
+    /// The fractions of the pixels' u and v.
+    fractions: &'a [Each<f32>; 2],
+}
+
 /// A filter over a block.
 trait BlockFilter<T: Sample, const C: usize> {
     /// Texels along an axis.
@@ -69,14 +78,7 @@ trait BlockFilter<T: Sample, const C: usize> {
     const FRACTIONS: bool = true;
 
     /// The values of 64 pixels from their taps and the fractions of their positions.
-    fn weigh(
-        &self,
-        places: &Places<'_, T>,
-        stride: usize,
-        split: &Split,
-        work: &mut Work,
-        pixels: &mut [T],
-    );
+    fn weigh(&self, taps: &Taps<'_, T>, work: &mut Work, pixels: &mut [T]);
 }
 
 /// How the samples of a row of N texels lie in words.
@@ -143,8 +145,8 @@ impl<T: Sample, const C: usize> BlockFilter<T, C> for Nearest {
     const FRACTIONS: bool = false;
 
     #[inline(always)]
-    fn weigh(&self, places: &Places<'_, T>, _: usize, _: &Split, _: &mut Work, pixels: &mut [T]) {
-        places.copy::<C>(pixels);
+    fn weigh(&self, taps: &Taps<'_, T>, _: &mut Work, pixels: &mut [T]) {
+        taps.places.copy::<C>(pixels);
     }
 }
 
@@ -163,19 +165,12 @@ impl<T: Sample, const C: usize> BlockFilter<T, C> for Bilinear {
     const REACH: usize = if Self::in_a_word::<T, C>() { 2 } else { Layout::<T, C, 2>::REACH };
 
     #[inline(always)]
-    fn weigh(
-        &self,
-        places: &Places<'_, T>,
-        stride: usize,
-        split: &Split,
-        work: &mut Work,
-        pixels: &mut [T],
-    ) {
-        let [fu, fv] = &split.fractions;
+    fn weigh(&self, taps: &Taps<'_, T>, work: &mut Work, pixels: &mut [T]) {
+        let Taps { places, stride, fractions: [fu, fv] } = taps;
         let Work { words: upper, below: lower, .. } = work;
         if Self::in_a_word::<T, C>() {
             let words = &mut upper.last;
-            places.halves(0, stride, words);
+            places.halves(0, *stride, words);
             for (i, pixel) in pixels.iter_mut().enumerate().take(BLOCK) {
                 let taps = [0, 1, 2, 3].map(|k| T::unpack(words[i], k));
                 *pixel = T::from_f32(bilinear(taps, fu[i], fv[i]));
@@ -183,7 +178,7 @@ impl<T: Sample, const C: usize> BlockFilter<T, C> for Bilinear {
             return;
         }
         Layout::<T, C, 2>::load(places, 0, upper);
-        Layout::<T, C, 2>::load(places, stride, lower);
+        Layout::<T, C, 2>::load(places, *stride, lower);
         for (k, values) in work.sums.iter_mut().enumerate().take(C) {
             for i in 0..BLOCK {
                 let tap = |words, texel| Layout::<T, C, 2>::sample(words, texel, k, i);
@@ -206,15 +201,8 @@ impl<T: Sample, const C: usize, K: Kernel<N>, const N: usize> BlockFilter<T, C>
     const REACH: usize = Layout::<T, C, N>::REACH;
 
     #[inline(always)]
-    fn weigh(
-        &self,
-        places: &Places<'_, T>,
-        stride: usize,
-        split: &Split,
-        work: &mut Work,
-        pixels: &mut [T],
-    ) {
-        for (fractions, weights) in split.fractions.iter().zip([&mut work.across, &mut work.down]) {
+    fn weigh(&self, taps: &Taps<'_, T>, work: &mut Work, pixels: &mut [T]) {
+        for (fractions, weights) in taps.fractions.iter().zip([&mut work.across, &mut work.down]) {
             for i in 0..BLOCK {
                 let of_pixel = self.0.weights(fractions[i]);
                 for k in 0..N {
@@ -223,7 +211,7 @@ impl<T: Sample, const C: usize, K: Kernel<N>, const N: usize> BlockFilter<T, C>
             }
         }
         for y in 0..N {
-            Layout::<T, C, N>::load(places, y * stride, &mut work.words);
+            Layout::<T, C, N>::load(&taps.places, y * taps.stride, &mut work.words);
             for (k, sums) in work.sums.iter_mut().enumerate().take(C) {
                 for i in 0..BLOCK {
                     let weights = core::array::from_fn(|x| work.across[x][i]);
@@ -348,11 +336,8 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
             match positions {
                 Positions::Each(u, v) => self.paint_each(u, v, pixels),
                 Positions::Span(span, valid) => {
-                    let mut rest = pixels;
-                    span.walk(valid.clone(), |_, [u, v]| {
-                        let (part, after) = core::mem::take(&mut rest).split_at_mut(u.len() * C);
-                        self.paint_each(u, v, part);
-                        rest = after;
+                    span.walk(valid.clone(), |x, [u, v]| {
+                        self.paint_each(u, v, &mut pixels[(x - valid.start) as usize * C..]);
                     });
                 }
             }
@@ -361,7 +346,7 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         let (samples, stride) = self.single.view.samples();
         let reach = (F::TAPS - 1) * stride + F::REACH;
         let Some(window) = Window::new(samples, reach) else { return };
-        self.scratch.offsets = Offsets::new(window.limit());
+        self.scratch.offsets.restrict(window.limit());
         let context = Context { filter, window, within };
         vectorised(
             #[inline(always)]
@@ -402,10 +387,13 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
                         && within.holds_well(split.first(from + count - 1))
                 }
             };
-            self.weigh(context, all && count == BLOCK, pixels);
-            if !(all && count == BLOCK) {
+            let straight = all && count == BLOCK;
+            self.weigh(context, straight, pixels);
+            if !straight {
                 let mut each = [[0.0; BLOCK]; 2];
                 match positions {
+                    // The block's own values serve.
+                    _ if all => {}
                     Positions::Each(u, v) => each = [part(u, x), part(v, x)],
                     Positions::Span(span, _) => span.walk_block(anchor, |start, lanes| {
                         for (each, lanes) in each.iter_mut().zip(lanes) {
@@ -468,7 +456,8 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         let Scratch { split, offsets, work, pixels: whole } = &mut *self.scratch;
         let Some(places) = context.window.places(offsets) else { return };
         let values = if straight { pixels } else { &mut whole[..C * BLOCK] };
-        context.filter.weigh(&places, stride, split, work, values);
+        let taps = Taps { places, stride, fractions: &split.fractions };
+        context.filter.weigh(&taps, work, values);
     }
 
     /// Pixels of a block from number `from` on: from the scratch those whose taps lie within, the others one by one.

@@ -6,41 +6,24 @@ use super::taps::Packed;
 
 /// A sample of a picture: `u8` (0 to 255), `u16` (0 to 65,535) or `f32` (any range).
 pub trait Sample:
-    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Packed + 'static
+    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Into<f32> + Packed + 'static
 {
     /// The value as a float: 0 to 255 for `u8`, 0 to 65,535 for `u16`.
-    fn to_f32(self) -> f32;
-    /// The nearest sample: integers round half up and clamp to their range, NaN becomes 0.
-    fn from_f32(value: f32) -> Self;
-}
-
-macro_rules! integer_sample {
-    ($type:ty) => {
-        impl Sample for $type {
-            #[inline(always)]
-            fn to_f32(self) -> f32 {
-                f32::from(self)
-            }
-            #[inline(always)]
-            fn from_f32(value: f32) -> Self {
-                Self::rounded(value)
-            }
-        }
-    };
-}
-integer_sample!(u8);
-integer_sample!(u16);
-
-impl Sample for f32 {
     #[inline(always)]
     fn to_f32(self) -> f32 {
-        self
+        self.into()
     }
+    /// The nearest sample: integers round half up and clamp to their range, NaN becomes 0.
+    #[must_use]
     #[inline(always)]
     fn from_f32(value: f32) -> Self {
-        value
+        Self::rounded(value)
     }
 }
+
+impl Sample for u8 {}
+impl Sample for u16 {}
+impl Sample for f32 {}
 
 /// A picture to read: samples of `C` interleaved channels, rows `stride` samples apart.
 ///

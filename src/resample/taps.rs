@@ -84,7 +84,7 @@ impl Packed for u8 {
     }
     #[inline(always)]
     fn pack(value: f32, k: usize) -> u32 {
-        (rounded(value, 255.0) as u32) << (8 * k)
+        u32::from(Self::rounded(value)) << (8 * k)
     }
     #[inline(always)]
     fn unload(word: u32, samples: &mut [Self]) {
@@ -123,7 +123,7 @@ impl Packed for u16 {
     }
     #[inline(always)]
     fn pack(value: f32, k: usize) -> u32 {
-        (rounded(value, 65_535.0) as u32) << (16 * k)
+        u32::from(Self::rounded(value)) << (16 * k)
     }
     #[inline(always)]
     fn unload(word: u32, samples: &mut [Self]) {
@@ -188,6 +188,14 @@ impl Offsets {
     /// All zero.
     pub(super) fn new(limit: u32) -> Self {
         Self { offsets: [0; BLOCK], limit }
+    }
+
+    /// Makes `limit` the limit.
+    #[inline(always)]
+    pub(super) fn restrict(&mut self, limit: u32) {
+        if self.limit != limit {
+            *self = Self::new(limit);
+        }
     }
 
     /// Takes the places of some pixels from number `start` on by column and row of their first taps, in a picture of C

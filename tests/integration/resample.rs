@@ -8,15 +8,8 @@ use collinear::resample::{Border, Filter, ImageView, ImageViewMut, Sample, sampl
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::numbers;
+use crate::support::{BORDERS, numbers};
 
-const BORDERS: [Border; 5] = [
-    Border::Transparent,
-    Border::Constant([40.0, 50.0, 60.0, 70.0]),
-    Border::Clamp,
-    Border::Repeat,
-    Border::Mirror,
-];
 const FILTERS: [Filter; 2] = [Filter::Nearest, Filter::Bilinear];
 
 fn at(x: f64, y: f64) -> Point2<f64> {

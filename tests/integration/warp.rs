@@ -10,6 +10,8 @@ use collinear::nalgebra::{Matrix2, Point2};
 use collinear::resample::{Border, Cubic, Filter, ImageView, ImageViewMut, Sample, sample, warp};
 use proptest::prelude::*;
 
+use crate::support::BORDERS;
+
 const FILTERS: [Filter; 7] = [
     Filter::Nearest,
     Filter::Bilinear,
@@ -18,14 +20,6 @@ const FILTERS: [Filter; 7] = [
     Filter::Lanczos2,
     Filter::Lanczos3,
     Filter::Lanczos4,
-];
-
-const BORDERS: [Border; 5] = [
-    Border::Transparent,
-    Border::Constant([40.0, 50.0, 60.0, 70.0]),
-    Border::Clamp,
-    Border::Repeat,
-    Border::Mirror,
 ];
 
 /// A map that is no span: waves, with holes and with coordinates that are no numbers.

@@ -87,6 +87,15 @@ pub fn cast(
     ([0, 1, 2].map(|i| origin[i] + t * ray[i]), t)
 }
 
+/// Every border of a picture.
+pub const BORDERS: [collinear::resample::Border; 5] = [
+    collinear::resample::Border::Transparent,
+    collinear::resample::Border::Constant([40.0, 50.0, 60.0, 70.0]),
+    collinear::resample::Border::Clamp,
+    collinear::resample::Border::Repeat,
+    collinear::resample::Border::Mirror,
+];
+
 /// Every number of a JSON value, in its order.
 pub fn numbers(value: &serde_json::Value) -> Vec<f64> {
     match value.as_array() {
