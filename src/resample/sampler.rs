@@ -75,8 +75,19 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
             return None;
         }
         let texel = [u, v].map(|x| position::split(x, 0.0).0);
+        if self.border == Border::Transparent && self.outside(texel) {
+            return None;
+        }
         let [(i, fu), (j, fv)] = [u, v].map(|x| position::split(x, 0.5));
-        self.value(texel, [i, j], fu, fv)
+        let (at, fractions) = ([i, j], [fu, fv]);
+        Some(match &self.filter {
+            Prepared::Nearest => self.texel(texel[0], texel[1]),
+            Prepared::Bilinear => self.bilinear(at, fractions),
+            Prepared::Cubic(k) => self.separable(k, at, fractions),
+            Prepared::Lanczos2(k) => self.separable(k, at, fractions),
+            Prepared::Lanczos3(k) => self.separable(k, at, fractions),
+            Prepared::Lanczos4(k) => self.separable(k, at, fractions),
+        })
     }
 
     /// Writes the value at a position: where there is none the border's constant, and nothing where it has none.
@@ -126,22 +137,6 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         beyond(first[0], self.size[0]) || beyond(first[1], self.size[1])
     }
 
-    /// The value where the position lies in `texel`, and by the fractions behind the centre of texel `at`.
-    #[inline]
-    fn value(&self, texel: [i32; 2], at: [i32; 2], fu: f32, fv: f32) -> Option<[T; C]> {
-        if self.border == Border::Transparent && self.outside(texel) {
-            return None;
-        }
-        Some(match &self.filter {
-            Prepared::Nearest => self.texel(texel[0], texel[1]),
-            Prepared::Bilinear => self.bilinear(at, fu, fv),
-            Prepared::Cubic(k) => self.separable(k, at, fu, fv),
-            Prepared::Lanczos2(k) => self.separable(k, at, fu, fv),
-            Prepared::Lanczos3(k) => self.separable(k, at, fu, fv),
-            Prepared::Lanczos4(k) => self.separable(k, at, fu, fv),
-        })
-    }
-
     #[inline]
     fn outside(&self, [i, j]: [i32; 2]) -> bool {
         // One unsigned comparison tests both ends.
@@ -160,7 +155,7 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
     }
 
     #[inline]
-    fn bilinear(&self, [i, j]: [i32; 2], fu: f32, fv: f32) -> [T; C] {
+    fn bilinear(&self, [i, j]: [i32; 2], [fu, fv]: [f32; 2]) -> [T; C] {
         let taps = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.texel(i, j));
         core::array::from_fn(|k| T::from_f32(bilinear(taps.map(|t| t[k].to_f32()), fu, fv)))
     }
@@ -170,8 +165,7 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         &self,
         kernel: &impl Kernel<N>,
         [i, j]: [i32; 2],
-        fu: f32,
-        fv: f32,
+        [fu, fv]: [f32; 2],
     ) -> [T; C] {
         let first = N as i32 / 2 - 1;
         let corner = [i, j].map(|k| (k - first) as u32);
@@ -196,7 +190,49 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         sums.map(|sums| T::from_f32(dot(&rows, &sums)))
     }
 
+    /// The filter is chosen once a row.
     fn visit(&self, coords: &RowCoords, visit: &mut impl Visit<T, C>) {
+        match &self.filter {
+            Prepared::Nearest => self.visit_with(coords, visit, |[i, j], _, _| self.texel(i, j)),
+            Prepared::Bilinear => self.visit_split(coords, visit, |at, f| self.bilinear(at, f)),
+            Prepared::Cubic(k) => self.visit_split(coords, visit, |at, f| self.separable(k, at, f)),
+            Prepared::Lanczos2(k) => {
+                self.visit_split(coords, visit, |at, f| self.separable(k, at, f));
+            }
+            Prepared::Lanczos3(k) => {
+                self.visit_split(coords, visit, |at, f| self.separable(k, at, f));
+            }
+            Prepared::Lanczos4(k) => {
+                self.visit_split(coords, visit, |at, f| self.separable(k, at, f));
+            }
+        }
+    }
+
+    /// `lookup` takes the texel centre before a position and the fractions behind it.
+    #[inline(always)]
+    fn visit_split(
+        &self,
+        coords: &RowCoords,
+        visit: &mut impl Visit<T, C>,
+        lookup: impl Fn([i32; 2], [f32; 2]) -> [T; C],
+    ) {
+        self.visit_with(coords, visit, |_, [ou, ov], [u, v]| {
+            // Half a texel is exact in f32: offsets are below 2⁷.
+            let (u, v) = (u - 0.5, v - 0.5);
+            let (i, j) = (floor(u), floor(v));
+            lookup([ou + i, ov + j], [u - i as f32, v - j as f32])
+        });
+    }
+
+    /// `lookup` takes the texel that contains a position, and its origin and offset.
+    #[inline(always)]
+    fn visit_with(
+        &self,
+        coords: &RowCoords,
+        visit: &mut impl Visit<T, C>,
+        lookup: impl Fn([i32; 2], [i32; 2], [f32; 2]) -> [T; C],
+    ) {
+        let transparent = self.border == Border::Transparent;
         for run in coords.runs() {
             let (u, v) = coords.offsets(run);
             let [ou, ov] = run.origin;
@@ -205,12 +241,8 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
                     continue;
                 }
                 let texel = [ou + floor(u), ov + floor(v)];
-                // Half a texel is exact in f32: offsets are below 2⁷.
-                let (u, v) = (u - 0.5, v - 0.5);
-                let (i, j) = (floor(u), floor(v));
-                let (fu, fv) = (u - i as f32, v - j as f32);
-                if let Some(value) = self.value(texel, [ou + i, ov + j], fu, fv) {
-                    visit.paint(x, value);
+                if !(transparent && self.outside(texel)) {
+                    visit.paint(x, lookup(texel, run.origin, [u, v]));
                 }
             }
         }
