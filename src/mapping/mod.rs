@@ -93,8 +93,8 @@ pub trait Map: Debug + Send + Sync {
     /// most 64 at once; pixels that are not handed out show nothing. Coordinates may be infinite or NaN where they
     /// overflow. Each pixel's coordinates depend on its own (x, y) alone, not on where the range begins.
     ///
-    /// The default walks the row's [`span`](Self::span), with three additions, one division and two products a pixel, and
-    /// asks [`at`](Self::at) at each pixel where a row is none.
+    /// The default walks the row's [`span`](Self::span), with three additions, half a division and 3½ products a pixel,
+    /// and asks [`at`](Self::at) at each pixel where a row is none.
     fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
         match self.span(line, samples.clone()) {
             Some((span, valid)) => crate::numeric::vectorised(

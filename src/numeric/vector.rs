@@ -10,13 +10,9 @@ pub(crate) fn vectorised<R>(f: impl FnOnce() -> R) -> R {
     #[cfg(feature = "simd")]
     {
         use fearless_simd::{Level, Simd};
-        // The lesser sets of each processor are worth no copy of the code.
-        match Level::new() {
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512(simd) => simd.vectorize(f),
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(simd) => simd.vectorize(f),
-            _ => f(),
+        match Level::new().as_avx2() {
+            Some(simd) => simd.vectorize(f),
+            None => f(),
         }
     }
     #[cfg(not(feature = "simd"))]

@@ -85,6 +85,11 @@ trait BlockFilter<T: Sample, const C: usize> {
 struct Layout<T, const C: usize, const N: usize>(core::marker::PhantomData<T>);
 
 impl<T: Sample, const C: usize, const N: usize> Layout<T, C, N> {
+    /// Whether the channels of a pixel are worked on side by side, and not those of neighbouring pixels: floats are
+    /// vectors as they stand in memory.
+    const SIDE_BY_SIDE: bool = T::PER_WORD == 1 && C > 1;
+    /// How many they are then; the fourth of three belongs to the next texel.
+    const CHANNELS: usize = if C == 2 { 2 } else { 4 };
     /// Texels in a word; 0 where a texel takes several.
     const TEXELS: usize = T::PER_WORD / C;
     /// Words a texel.
@@ -93,7 +98,9 @@ impl<T: Sample, const C: usize, const N: usize> Layout<T, C, N> {
     const WORDS: usize =
         if Self::TEXELS > 0 { N.div_ceil(Self::TEXELS) } else { N * Self::WORDS_A_TEXEL };
     /// Samples that are read of a row; a little beyond its texels where they do not fill the words.
-    const REACH: usize = if Self::WORDS % 2 == 0 {
+    const REACH: usize = if Self::SIDE_BY_SIDE {
+        (N - 1) * C + Self::CHANNELS
+    } else if Self::WORDS % 2 == 0 {
         Self::skip(Self::WORDS - 2) + 2 * T::PER_WORD
     } else {
         Self::skip(Self::WORDS - 1) + T::PER_WORD
@@ -157,6 +164,35 @@ impl Bilinear {
     const fn in_a_word<T: Sample, const C: usize>() -> bool {
         C == 1 && T::PER_WORD == 4
     }
+
+    #[inline(always)]
+    fn side_by_side<T: Sample, const C: usize, const L: usize>(
+        taps: &Taps<'_, T>,
+        pixels: &mut [T],
+    ) {
+        let Some(squares) = taps.places.squares::<2, C, L>(taps.stride) else { return };
+        let Some(pixels) = pixels.as_chunks_mut::<C>().0.first_chunk_mut::<BLOCK>() else { return };
+        let [fu, fv] = taps.fractions;
+        for i in 0..BLOCK {
+            let ([a, b], [c, d]) = (squares.row(i, 0), squares.row(i, 1));
+            let mut value = [0.0; L];
+            for k in 0..L {
+                let taps = [a[k].to_f32(), b[k].to_f32(), c[k].to_f32(), d[k].to_f32()];
+                value[k] = bilinear(taps, fu[i], fv[i]);
+            }
+            pixels[i] = rounded(&value);
+        }
+    }
+}
+
+/// The samples of C channels of L.
+#[inline(always)]
+fn rounded<T: Sample, const C: usize, const L: usize>(value: &[f32; L]) -> [T; C] {
+    let mut pixel = [T::default(); C];
+    for k in 0..C.min(L) {
+        pixel[k] = T::from_f32(value[k]);
+    }
+    pixel
 }
 
 impl<T: Sample, const C: usize> BlockFilter<T, C> for Bilinear {
@@ -171,9 +207,17 @@ impl<T: Sample, const C: usize> BlockFilter<T, C> for Bilinear {
         if Self::in_a_word::<T, C>() {
             let words = &mut upper.last;
             places.halves(0, *stride, words);
-            for (i, pixel) in pixels.iter_mut().enumerate().take(BLOCK) {
+            let Some(pixels) = pixels.first_chunk_mut::<BLOCK>() else { return };
+            for i in 0..BLOCK {
                 let taps = [0, 1, 2, 3].map(|k| T::unpack(words[i], k));
-                *pixel = T::from_f32(bilinear(taps, fu[i], fv[i]));
+                pixels[i] = T::from_f32(bilinear(taps, fu[i], fv[i]));
+            }
+            return;
+        }
+        if Layout::<T, C, 2>::SIDE_BY_SIDE {
+            match C {
+                2 => Self::side_by_side::<T, C, 2>(taps, pixels),
+                _ => Self::side_by_side::<T, C, 4>(taps, pixels),
             }
             return;
         }
@@ -193,6 +237,36 @@ impl<T: Sample, const C: usize> BlockFilter<T, C> for Bilinear {
 /// A separable filter of N taps along an axis.
 struct Separable<K, const N: usize>(K);
 
+impl<K, const N: usize> Separable<K, N> {
+    #[inline(always)]
+    fn side_by_side<T: Sample, const C: usize, const L: usize>(
+        taps: &Taps<'_, T>,
+        work: &Work,
+        pixels: &mut [T],
+    ) {
+        let Some(squares) = taps.places.squares::<N, C, L>(taps.stride) else { return };
+        let Some(pixels) = pixels.as_chunks_mut::<C>().0.first_chunk_mut::<BLOCK>() else { return };
+        for i in 0..BLOCK {
+            let mut sums = [0.0; L];
+            for y in 0..N {
+                let texels = squares.row(i, y);
+                let mut of_row = [0.0; L];
+                for x in 0..N {
+                    for k in 0..L {
+                        let product = work.across[x][i] * texels[x][k].to_f32();
+                        of_row[k] = if x == 0 { product } else { of_row[k] + product };
+                    }
+                }
+                for k in 0..L {
+                    let product = work.down[y][i] * of_row[k];
+                    sums[k] = if y == 0 { product } else { sums[k] + product };
+                }
+            }
+            pixels[i] = rounded(&sums);
+        }
+    }
+}
+
 impl<T: Sample, const C: usize, K: Kernel<N>, const N: usize> BlockFilter<T, C>
     for Separable<K, N>
 {
@@ -209,6 +283,13 @@ impl<T: Sample, const C: usize, K: Kernel<N>, const N: usize> BlockFilter<T, C>
                     weights[k][i] = of_pixel[k];
                 }
             }
+        }
+        if Layout::<T, C, N>::SIDE_BY_SIDE {
+            match C {
+                2 => Self::side_by_side::<T, C, 2>(taps, work, pixels),
+                _ => Self::side_by_side::<T, C, 4>(taps, work, pixels),
+            }
+            return;
         }
         for y in 0..N {
             Layout::<T, C, N>::load(&taps.places, y * taps.stride, &mut work.words);
@@ -362,10 +443,14 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         pixels: &mut [T],
     ) {
         let within = &context.within;
-        // The first pixel's x, and those whose filters see the picture.
-        let (first, seen) = match positions {
-            Positions::Each(u, v) => (0, 0..u.len().min(v.len()) as i32),
-            Positions::Span(span, valid) => (valid.start, self.single.seen(span, valid, F::TAPS)),
+        // The first pixel's x, those whose filters see the picture, and those of them whose filters see nothing else.
+        let (first, seen, inside) = match positions {
+            Positions::Each(u, v) => (0, 0..u.len().min(v.len()) as i32, 0..0),
+            Positions::Span(span, valid) => {
+                let seen = self.single.seen(span, valid, F::TAPS);
+                let inside = within.interval(span, F::SHIFT, seen.clone());
+                (valid.start, seen, inside)
+            }
         };
         let (before, rest) = pixels.split_at_mut((seen.start - first) as usize * C);
         let (mut rest, after) = rest.split_at_mut(seen.len() * C);
@@ -377,49 +462,42 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
             let from = (x - anchor) as usize;
             let count = ((seen.end - x) as usize).min(BLOCK - from);
             let (pixels, after) = core::mem::take(&mut rest).split_at_mut(count * C);
-            let all = match positions {
-                Positions::Each(u, v) => self.split_each::<F>(within, &part(u, x), &part(v, x)),
+            let straight = match positions {
+                Positions::Each(u, v) => {
+                    let (u, v) = (part(u, x), part(v, x));
+                    let straight = self.split_each::<F>(within, [&u, &v], false) && count == BLOCK;
+                    if !straight {
+                        self.split_each::<F>(within, [&u, &v], true);
+                    }
+                    straight
+                }
                 Positions::Span(span, _) => {
-                    self.split_span::<F>(within, span, anchor);
-                    // Along a span u and v rise or fall, so the ends tell of all between them.
-                    let split = &self.scratch.split;
-                    within.holds_well(split.first(from))
-                        && within.holds_well(split.first(from + count - 1))
+                    let straight = inside.start <= anchor && x + BLOCK as i32 <= inside.end;
+                    self.split_span::<F>(within, span, anchor, !straight);
+                    straight
                 }
             };
-            let straight = all && count == BLOCK;
             self.weigh(context, straight, pixels);
             if !straight {
-                let mut each = [[0.0; BLOCK]; 2];
-                match positions {
-                    // The block's own values serve.
-                    _ if all => {}
-                    Positions::Each(u, v) => each = [part(u, x), part(v, x)],
-                    Positions::Span(span, _) => span.walk_block(anchor, |start, lanes| {
-                        for (each, lanes) in each.iter_mut().zip(lanes) {
-                            each[start..start + LANES].copy_from_slice(&lanes);
-                        }
-                    }),
-                }
-                self.mend(within, F::TAPS, from, &each, pixels);
+                self.mend(within, F::TAPS, from, pixels);
             }
             rest = after;
             x += count as i32;
         }
     }
 
-    /// Splits 64 positions and says whether the taps of all lie within.
+    /// Splits 64 positions, keeps them if `keep` says so, and says whether the taps of all lie within.
     #[inline(always)]
     fn split_each<F: BlockFilter<T, C>>(
         &mut self,
         within: &Within,
-        u: &Each<f64>,
-        v: &Each<f64>,
+        positions: [&Each<f64>; 2],
+        keep: bool,
     ) -> bool {
         let stride = self.single.view.samples().1 as u32;
         let Scratch { split, offsets, .. } = &mut *self.scratch;
-        let first @ [x, y] = split.set(0, [u, v], F::SHIFT, within, F::FRACTIONS);
-        offsets.set::<BLOCK, C>(0, &first, stride);
+        let first @ [x, y] = split.set(0, positions, F::SHIFT, within, [F::FRACTIONS, keep]);
+        offsets.places(stride).set::<BLOCK, C>(0, &first);
         let [last_x, last_y] = within.last;
         let mut beyond = 0;
         for i in 0..BLOCK {
@@ -429,17 +507,25 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         beyond == 0
     }
 
-    /// Splits the positions of a span's block.
+    /// Splits the positions of a span's block, and keeps them if `keep` says so.
     #[inline(always)]
-    fn split_span<F: BlockFilter<T, C>>(&mut self, within: &Within, span: &Span<2>, anchor: i32) {
+    fn split_span<F: BlockFilter<T, C>>(
+        &mut self,
+        within: &Within,
+        span: &Span<2>,
+        anchor: i32,
+        keep: bool,
+    ) {
         let stride = self.single.view.samples().1 as u32;
         let Scratch { split, offsets, .. } = &mut *self.scratch;
+        // By value, so that no compiler thinks that they change with what is written.
+        let (within, span, mut offsets) = (*within, *span, offsets.places(stride));
         span.walk_block(
             anchor,
             #[inline(always)]
-            |start, [u, v]| {
-                let first = split.set(start, [&u, &v], F::SHIFT, within, F::FRACTIONS);
-                offsets.set::<LANES, C>(start, &first, stride);
+            move |start, [u, v]| {
+                let first = split.set(start, [&u, &v], F::SHIFT, &within, [F::FRACTIONS, keep]);
+                offsets.set::<LANES, C>(start, &first);
             },
         );
     }
@@ -467,7 +553,6 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         within: &Within,
         taps: usize,
         from: usize,
-        [u, v]: &[Each<f64>; 2],
         pixels: &mut [T],
     ) {
         let Scratch { split, pixels: whole, .. } = &*self.scratch;
@@ -478,7 +563,8 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
             } else if self.single.sees_border(first, taps as i32) {
                 self.single.paint_border(pixel);
             } else {
-                self.single.paint(u[i], v[i], pixel);
+                let [u, v] = split.position(i);
+                self.single.paint(self.single.at(u, v), pixel);
             }
         }
     }
@@ -486,7 +572,7 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
     #[inline(never)]
     fn paint_each(&self, u: &[f64], v: &[f64], pixels: &mut [T]) {
         for ((u, v), pixel) in u.iter().zip(v).zip(pixels.chunks_exact_mut(C)) {
-            self.single.paint(*u, *v, pixel);
+            self.single.paint(self.single.at(*u, *v), pixel);
         }
     }
 

@@ -4,7 +4,9 @@
 //! fraction, which costs an addition where a conversion, a comparison and a difference would be needed otherwise. So a
 //! position that misses a texel's edge by no more than the rounding of its computation lies on it.
 
-use crate::mapping::span::BLOCK;
+use core::ops::Range;
+
+use crate::mapping::span::{BLOCK, Span};
 
 /// 1.5 · 2²⁰: sums with numbers below 2¹⁹ have the unit 2⁻³².
 const FIXED: f64 = 1_572_864.0;
@@ -57,17 +59,19 @@ pub(super) struct Within {
 pub(super) struct Split {
     /// The columns and the rows of first taps; far outside the picture where there are none.
     first: [[u32; BLOCK]; 2],
+    /// The positions.
+    positions: [[f64; BLOCK]; 2],
     /// The fractions of u and of v.
     pub(super) fractions: [[f32; BLOCK]; 2],
 }
 
 impl Split {
     pub(super) fn new() -> Self {
-        Self { first: [[0; BLOCK]; 2], fractions: [[0.0; BLOCK]; 2] }
+        Self { first: [[0; BLOCK]; 2], positions: [[0.0; BLOCK]; 2], fractions: [[0.0; BLOCK]; 2] }
     }
 
     /// Splits the positions of some neighbouring pixels from number `start` on, less `shift`, with or without fractions;
-    /// the columns and rows of their first taps.
+    /// the columns and rows of their first taps. These and the positions are kept if `keep` says so.
     #[inline(always)]
     pub(super) fn set<const L: usize>(
         &mut self,
@@ -75,7 +79,7 @@ impl Split {
         [u, v]: [&[f64; L]; 2],
         shift: f64,
         within: &Within,
-        with_fractions: bool,
+        [with_fractions, keep]: [bool; 2],
     ) -> [[u32; L]; 2] {
         let (fixed, bias) = (FIXED - shift, FIXED_HIGH + within.before);
         let (mut u_bits, mut v_bits) = ([0; L], [0; L]);
@@ -89,9 +93,14 @@ impl Split {
             first[1][i] = ((v_bits[i] >> 32) as u32).wrapping_sub(bias);
         }
         let range = start..start + L;
-        let [x, y] = &mut self.first;
-        x[range.clone()].copy_from_slice(&first[0]);
-        y[range.clone()].copy_from_slice(&first[1]);
+        if keep {
+            for (to, first) in self.first.iter_mut().zip(&first) {
+                to[range.clone()].copy_from_slice(first);
+            }
+            for (to, positions) in self.positions.iter_mut().zip([u, v]) {
+                to[range.clone()].copy_from_slice(positions);
+            }
+        }
         if with_fractions {
             let [fu, fv] = &mut self.fractions;
             let (fu, fv) = (&mut fu[range.clone()], &mut fv[range]);
@@ -103,10 +112,16 @@ impl Split {
         first
     }
 
-    /// Column and row of a pixel's first tap.
+    /// Column and row of a pixel's first tap, where they were kept.
     #[inline(always)]
     pub(super) fn first(&self, i: usize) -> [u32; 2] {
         [self.first[0][i], self.first[1][i]]
+    }
+
+    /// A pixel's position, where it was kept.
+    #[inline(always)]
+    pub(super) fn position(&self, i: usize) -> [f64; 2] {
+        [self.positions[0][i], self.positions[1][i]]
     }
 }
 
@@ -118,11 +133,12 @@ impl Within {
         (x <= self.last[0]) & (y <= self.last[1])
     }
 
-    /// Whether they do and not at its edge, so that those of a position that is rounded a little less well do too.
-    #[inline(always)]
-    pub(super) fn holds_well(&self, first: [u32; 2]) -> bool {
-        let [x, y] = first.map(|k| k.wrapping_sub(1));
-        let [last_x, last_y] = self.last.map(|k| k.saturating_sub(1));
-        (x < last_x) & (y < last_y)
+    /// The pixels of an interval whose taps, less `shift`, all lie within and not at its edge, so that those of positions that
+    /// are rounded otherwise do too; perhaps a few less.
+    pub(super) fn interval(&self, span: &Span<2>, shift: f64, range: Range<i32>) -> Range<i32> {
+        let first = f64::from(self.before) + shift;
+        let [columns, rows] = self.last.map(|last| [first + 1.0, first + f64::from(last) - 1.0]);
+        let range = span.interval_within(0, columns, range, -2);
+        span.interval_within(1, rows, range, -2)
     }
 }

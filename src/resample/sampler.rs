@@ -74,14 +74,30 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         if !(u.abs() <= limit && v.abs() <= limit) {
             return None;
         }
-        let texel = [u, v].map(|x| position::split(x, 0.0).0);
-        if self.border == Border::Transparent && self.outside(texel) {
-            return None;
+        let [(i, fu), (j, fv)] = [u, v].map(|x| position::split(x, self.shift()));
+        self.at_split([i, j], [fu, fv])
+    }
+
+    /// What a position is moved by before it is split: to the texel's centre before it, where the filter has taps beside it.
+    #[inline(always)]
+    fn shift(&self) -> f64 {
+        if let Prepared::Nearest = self.filter { 0.0 } else { 0.5 }
+    }
+
+    /// The value at a position that is split; `None` outside a transparent border.
+    #[inline]
+    pub(super) fn at_split(&self, at: [i32; 2], fractions: [f32; 2]) -> Option<[T; C]> {
+        if self.border == Border::Transparent {
+            let texel = match self.filter {
+                Prepared::Nearest => at,
+                _ => [0, 1].map(|k| at[k] + i32::from(fractions[k] >= 0.5)),
+            };
+            if self.outside(texel) {
+                return None;
+            }
         }
-        let [(i, fu), (j, fv)] = [u, v].map(|x| position::split(x, 0.5));
-        let (at, fractions) = ([i, j], [fu, fv]);
         Some(match &self.filter {
-            Prepared::Nearest => self.texel(texel[0], texel[1]),
+            Prepared::Nearest => self.texel(at),
             Prepared::Bilinear => self.bilinear(at, fractions),
             Prepared::Cubic(k) => self.separable(k, at, fractions),
             Prepared::Lanczos2(k) => self.separable(k, at, fractions),
@@ -90,10 +106,10 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         })
     }
 
-    /// Writes the value at a position: where there is none the border's constant, and nothing where it has none.
-    #[inline(never)]
-    pub(super) fn paint(&self, u: f64, v: f64, pixel: &mut [T]) {
-        match self.at(u, v) {
+    /// Writes a value: where there is none the border's constant, and nothing where it has none.
+    #[inline(always)]
+    pub(super) fn paint(&self, value: Option<[T; C]>, pixel: &mut [T]) {
+        match value {
             Some(value) => pixel.copy_from_slice(&value),
             None => self.paint_border(pixel),
         }
@@ -117,8 +133,8 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         // A texel more, so that rounding takes no pixel away.
         let margin = taps as f64 / 2.0 + 1.0;
         let [w, h] = self.size.map(f64::from);
-        let columns = span.interval_within(0, [-margin, w + margin], valid.clone());
-        span.interval_within(1, [-margin, h + margin], columns)
+        let columns = span.interval_within(0, [-margin, w + margin], valid.clone(), 2);
+        span.interval_within(1, [-margin, h + margin], columns, 2)
     }
 
     /// Whether a filter of `taps` texels whose first one stands in this column and row sees nothing but the border.
@@ -144,56 +160,83 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
     }
 
     #[inline]
-    fn texel(&self, i: i32, j: i32) -> [T; C] {
-        if !self.outside([i, j]) {
-            return self.view.pixel(i as usize, j as usize).unwrap_or(self.constant);
+    fn texel(&self, [i, j]: [i32; 2]) -> [T; C] {
+        let [[texel]]: [[[T; C]; 1]; 1] = self.texels([i, j]);
+        texel
+    }
+
+    /// N × N texels from a first one on, rows of them; what lies outside is found by the border, an axis by itself.
+    #[inline(always)]
+    fn texels<const N: usize>(&self, first: [i32; 2]) -> [[[T; C]; N]; N] {
+        // No column or row of a picture has this number: it stands for the constant.
+        let mut places = [[usize::MAX; N]; 2];
+        for axis in 0..2 {
+            for k in 0..N {
+                let (i, n) = (first[axis] + k as i32, self.size[axis]);
+                // One unsigned comparison tests both ends.
+                if (i as u32) < n as u32 {
+                    places[axis][k] = i as usize;
+                } else if let Some(i) = self.border.texel(i, n) {
+                    places[axis][k] = i;
+                }
+            }
         }
-        match (self.border.texel(i, self.size[0]), self.border.texel(j, self.size[1])) {
-            (Some(x), Some(y)) => self.view.pixel(x, y).unwrap_or(self.constant),
-            _ => self.constant,
+        let [columns, rows] = places;
+        let mut texels = [[self.constant; N]; N];
+        for y in 0..N {
+            for x in 0..N {
+                if let Some(texel) = self.view.pixel(columns[x], rows[y]) {
+                    texels[y][x] = texel;
+                }
+            }
         }
+        texels
     }
 
     #[inline]
-    fn bilinear(&self, [i, j]: [i32; 2], [fu, fv]: [f32; 2]) -> [T; C] {
-        let taps = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.texel(i, j));
-        core::array::from_fn(|k| T::from_f32(bilinear(taps.map(|t| t[k].to_f32()), fu, fv)))
+    fn bilinear(&self, at: [i32; 2], [fu, fv]: [f32; 2]) -> [T; C] {
+        let [[a, b], [c, d]]: [[[T; C]; 2]; 2] = self.texels(at);
+        let mut value = [T::default(); C];
+        for k in 0..C {
+            let taps = [a[k].to_f32(), b[k].to_f32(), c[k].to_f32(), d[k].to_f32()];
+            value[k] = T::from_f32(bilinear(taps, fu, fv));
+        }
+        value
     }
 
     #[inline]
     fn separable<const N: usize>(
         &self,
         kernel: &impl Kernel<N>,
-        [i, j]: [i32; 2],
+        at: [i32; 2],
         [fu, fv]: [f32; 2],
     ) -> [T; C] {
-        let first = N as i32 / 2 - 1;
-        let corner = [i, j].map(|k| (k - first) as u32);
-        if self.sees_border(corner, N as i32) && self.border != Border::Transparent {
+        let first = at.map(|k| k - (N as i32 / 2 - 1));
+        if self.sees_border(first.map(|k| k as u32), N as i32) && self.border != Border::Transparent
+        {
             // Not the constant times a sum of weights, which rounding takes a little from one.
             return self.constant;
         }
         let (columns, rows) = (kernel.weights(fu), kernel.weights(fv));
-        let mut sums = [[0.0; N]; C];
-        for (y, j) in (0..N).zip(j - first..) {
-            let mut taps = [[0.0; N]; C];
-            for (x, i) in (0..N).zip(i - first..) {
-                let texel = self.texel(i, j);
-                for k in 0..C {
-                    taps[k][x] = texel[k].to_f32();
+        let texels: [[[T; C]; N]; N] = self.texels(first);
+        let mut value = [T::default(); C];
+        for k in 0..C {
+            let (mut sums, mut taps) = ([0.0; N], [0.0; N]);
+            for y in 0..N {
+                for x in 0..N {
+                    taps[x] = texels[y][x][k].to_f32();
                 }
+                sums[y] = dot(&columns, &taps);
             }
-            for k in 0..C {
-                sums[k][y] = dot(&columns, &taps[k]);
-            }
+            value[k] = T::from_f32(dot(&rows, &sums));
         }
-        sums.map(|sums| T::from_f32(dot(&rows, &sums)))
+        value
     }
 
     /// The filter is chosen once a row.
     fn visit(&self, coords: &RowCoords, visit: &mut impl Visit<T, C>) {
         match &self.filter {
-            Prepared::Nearest => self.visit_with(coords, visit, |[i, j], _, _| self.texel(i, j)),
+            Prepared::Nearest => self.visit_with(coords, visit, |at, _, _| self.texel(at)),
             Prepared::Bilinear => self.visit_split(coords, visit, |at, f| self.bilinear(at, f)),
             Prepared::Cubic(k) => self.visit_split(coords, visit, |at, f| self.separable(k, at, f)),
             Prepared::Lanczos2(k) => {

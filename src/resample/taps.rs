@@ -5,6 +5,8 @@
 //! before they are read.
 #![allow(unsafe_code, reason = "loads without a test each, from places that were clamped before")]
 
+use core::marker::PhantomData;
+
 use crate::mapping::span::BLOCK;
 
 /// How the samples of a picture are carried through a filter: one, two or four in a word.
@@ -198,23 +200,36 @@ impl Offsets {
         }
     }
 
+    /// Makes room for the places of a block in a picture of `stride` samples a row.
+    #[inline(always)]
+    pub(super) fn places(&mut self, stride: u32) -> OffsetsMut<'_> {
+        OffsetsMut { offsets: &mut self.offsets, limit: self.limit, stride }
+    }
+}
+
+/// Offsets to write. The limit stands beside them, so that no compiler thinks that it changes with them.
+pub(super) struct OffsetsMut<'a> {
+    offsets: &'a mut [u32; BLOCK],
+    limit: u32,
+    stride: u32,
+}
+
+impl OffsetsMut<'_> {
     /// Takes the places of some pixels from number `start` on by column and row of their first taps, in a picture of C
-    /// channels and `stride` samples a row; the limit for what is more.
+    /// channels; the limit for what is more.
     #[inline(always)]
     pub(super) fn set<const L: usize, const C: usize>(
         &mut self,
         start: usize,
         [x, y]: &[[u32; L]; 2],
-        stride: u32,
     ) {
-        let limit = self.limit;
         let mut offsets = [0; L];
         for i in 0..L {
-            offsets[i] = x[i].wrapping_mul(C as u32).wrapping_add(y[i].wrapping_mul(stride));
+            offsets[i] = x[i].wrapping_mul(C as u32).wrapping_add(y[i].wrapping_mul(self.stride));
         }
         let to = &mut self.offsets[start..start + L];
         for i in 0..L {
-            to[i] = offsets[i].min(limit);
+            to[i] = offsets[i].min(self.limit);
         }
     }
 }
@@ -307,6 +322,18 @@ impl<T: Packed> Places<'_, T> {
         }
     }
 
+    /// Squares of N × N texels of C samples, rows of them `stride` samples apart, of each of which L samples are read; `None` if
+    /// they reach too far.
+    #[inline(always)]
+    pub(super) fn squares<const N: usize, const C: usize, const L: usize>(
+        &self,
+        stride: usize,
+    ) -> Option<Squares<'_, T, N, C, L>> {
+        let last = stride.checked_mul(N - 1)?.checked_add((N - 1) * C)?;
+        self.start(last, L)?;
+        Some(Squares { start: self.start(0, L)?, offsets: self.offsets, stride, texels: PhantomData })
+    }
+
     /// The pixel of `C` samples at each place, to neighbouring pixels.
     #[inline(always)]
     pub(super) fn copy<const C: usize>(&self, pixels: &mut [T])
@@ -320,5 +347,31 @@ impl<T: Packed> Places<'_, T> {
             // SAFETY: by the invariant, and as C ≤ reach.
             pixels[i] = unsafe { start.add(self.offsets[i] as usize).cast::<[T; C]>().read() };
         }
+    }
+}
+
+/// The squares of texels at the places of 64 pixels.
+///
+/// *Invariant.* As that of [`Places`], where (N − 1) (stride + C) + L ≤ reach.
+pub(super) struct Squares<'a, T, const N: usize, const C: usize, const L: usize> {
+    start: *const T,
+    offsets: &'a [u32; BLOCK],
+    stride: usize,
+    texels: PhantomData<&'a [T]>,
+}
+
+impl<T: Copy + Default, const N: usize, const C: usize, const L: usize> Squares<'_, T, N, C, L> {
+    /// The first L samples of the texels of row `y` of pixel i's square.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize, y: usize) -> [[T; L]; N] {
+        let mut texels = [[T::default(); L]; N];
+        if y < N {
+            let offset = self.offsets[i] as usize + y * self.stride;
+            for x in 0..N {
+                // SAFETY: by the invariant; an array is as aligned as its samples.
+                texels[x] = unsafe { self.start.add(offset + x * C).cast::<[T; L]>().read() };
+            }
+        }
+        texels
     }
 }

@@ -9,10 +9,15 @@ use super::{BLOCK, Span};
 const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Interleaved walks in one block.
 pub(crate) const LANES: usize = 8;
-/// The most additions between an anchor and a pixel.
-const ADDITIONS: u32 = (BLOCK / LANES) as u32 - 1;
+/// Half of them: vectors that are worked on one beside the other.
+const HALF: usize = LANES / 2;
+/// The most additions between an anchor and a pixel: one from lane to lane, whose product rounds by less than another, and
+/// one a step of the lanes.
+const ADDITIONS: u32 = 2 + (BLOCK / LANES) as u32 - 1;
 /// A block is walked only if its denominators differ by no more than this factor.
 const WALKABLE: f64 = 64.0;
+/// And only if they lie between these, so that the product of two neither overflows nor loses digits.
+const MULTIPLIABLE: [f64; 2] = [1e-150, 1e150];
 /// Covers the rounding of a bound's own arithmetic.
 pub(super) const OUTWARD: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
 
@@ -60,11 +65,12 @@ impl<const N: usize> Span<N> {
 
     /// The attributes of the pixels of `range` in the valid interval, incrementally.
     ///
-    /// A pixel costs N + 1 additions, one division and N products. Each block of 64 pixels, from an absolute multiple
-    /// of 64 to the next, starts from eight neighbouring exact values and adds eight steps at a time, so no value is
-    /// more than 7 additions from an exact one, and the eight chains run side by side. A block in which the
-    /// denominator changes by more than 64 times, or its sign, is evaluated exactly. `emit` is called as by
-    /// [`exact`](Self::exact). [`walk_bound`](Self::walk_bound) says how far the values can be off.
+    /// A pixel costs N + 1 additions, half a division and N + 1½ products: 1/a and 1/b are b/(a b) and a/(a b). Each block of
+    /// 64 pixels, from an absolute multiple of 64 to the next, starts from an exact value, and eight neighbouring chains
+    /// from there add eight steps at a time side by side, so no value is more than 9 roundings from an exact one. Where
+    /// the denominator has no step nothing is divided. A block in which the denominator changes by more than 64 times,
+    /// or its sign, or is beyond 10^±150, is evaluated exactly. `emit` is called as by [`exact`](Self::exact).
+    /// [`walk_bound`](Self::walk_bound) says how far the values can be off.
     ///
     /// ```
     /// use collinear::mapping::span::Span;
@@ -100,9 +106,8 @@ impl<const N: usize> Span<N> {
     #[inline(always)]
     pub(crate) fn walk_block(&self, anchor: i32, mut emit: impl FnMut(usize, [[f64; LANES]; N])) {
         let x = self.relative(anchor);
-        let mut depths = [0.0; LANES];
-        self.denominator.fill(x, &mut depths);
-        if !self.is_walkable(depths[0]) {
+        let depth = self.denominator.at(x);
+        if !self.is_walkable(depth) {
             let mut values = [[0.0; BLOCK]; N];
             self.fill_exact(anchor, BLOCK, &mut values);
             for start in (0..BLOCK).step_by(LANES) {
@@ -110,26 +115,37 @@ impl<const N: usize> Span<N> {
             }
             return;
         }
-        // Of each form eight exact values, and eight chains of additions.
+        // Eight chains of each form.
+        let mut depths: [[f64; HALF]; 2] = self.denominator.lanes(depth);
         let depth_step = LANES as f64 * self.denominator.step;
-        let mut sums = [[0.0; LANES]; N];
+        let mut sums = [[[0.0; HALF]; 2]; N];
         let mut steps = [0.0; N];
         for k in 0..N {
-            self.numerators[k].fill(x, &mut sums[k]);
-            steps[k] = LANES as f64 * self.numerators[k].step;
+            let numerator = &self.numerators[k];
+            sums[k] = numerator.lanes(numerator.at(x));
+            steps[k] = LANES as f64 * numerator.step;
         }
+        let constant = depth_step == 0.0;
+        let mut reciprocals = [[1.0 / depth; HALF]; 2];
         // All forms advance together, so that nothing but the quotients leaves the registers.
         for start in (0..BLOCK).step_by(LANES) {
-            let mut reciprocals = [0.0; LANES];
-            for i in 0..LANES {
-                reciprocals[i] = 1.0 / depths[i];
-                depths[i] += depth_step;
+            if !constant {
+                let ([a, b], [of_a, of_b]) = (&mut depths, &mut reciprocals);
+                for i in 0..HALF {
+                    let of_both = 1.0 / (a[i] * b[i]);
+                    of_a[i] = of_both * b[i];
+                    of_b[i] = of_both * a[i];
+                    a[i] += depth_step;
+                    b[i] += depth_step;
+                }
             }
             let mut values = [[0.0; LANES]; N];
             for k in 0..N {
-                for i in 0..LANES {
-                    values[k][i] = sums[k][i] * reciprocals[i];
-                    sums[k][i] += steps[k];
+                for half in 0..2 {
+                    for i in 0..HALF {
+                        values[k][half * HALF + i] = sums[k][half][i] * reciprocals[half][i];
+                        sums[k][half][i] += steps[k];
+                    }
                 }
             }
             emit(start, values);
@@ -142,12 +158,13 @@ impl<const N: usize> Span<N> {
     fn is_walkable(&self, first: f64) -> bool {
         // Where the comparisons hold nothing has cancelled.
         let last = first + (BLOCK - 1) as f64 * self.denominator.step;
-        first <= WALKABLE * last && last <= WALKABLE * first
+        let [least, most] = MULTIPLIABLE;
+        first <= WALKABLE * last && last <= WALKABLE * first && first >= least && first <= most
     }
 
     /// How far an attribute of [`walk`](Self::walk) can be from the exact ratio at the valid pixels of `range`.
     ///
-    /// The largest [`drift_bound`](Self::drift_bound) with 7 additions among the blocks that `range` touches, or 4 ulp in
+    /// The largest [`drift_bound`](Self::drift_bound) with 9 additions among the blocks that `range` touches, or 4 ulp in
     /// those that are evaluated exactly. The cost is a look at each block.
     #[must_use]
     pub fn walk_bound(&self, range: Range<i32>) -> [f64; N] {
@@ -207,14 +224,15 @@ impl<const N: usize> Span<N> {
     ///
     /// ```text
     /// |v̂ − v| ≤ γₘ₊₁ (1 + 2⁻²³) max|v|,   γₖ = k u / (1 − k u),   u = 2⁻⁵³        (m additions)
-    /// |û − u*| ≤ (Eₙ + max|u*| E_d) / (min c − E_d), and two roundings
+    /// |û − u*| ≤ (Eₙ + max|u*| E_d) / (min c − E_d), and four roundings
     /// ```
     ///
     /// Proof. The start is rounded once, |v̂₀ − v₀| ≤ u (1 + 2⁻²³) |v₀|. An addition rounds its exact sum:
     /// εᵢ ≤ εᵢ₋₁ + u (|vᵢ| + εᵢ₋₁). With M = max|v| this unrolls to εₘ ≤ M ((1 + u)ᵐ⁺¹ − 1)(1 + 2⁻²³) ≤
     /// γₘ₊₁ (1 + 2⁻²³) M; to first order (m + 1) u M. Linear forms take their extremes at the range's ends, and so
     /// does the ratio, which is monotone where its denominator keeps its sign. For the quotient
-    /// n̂/d̂ − n/d = ((n̂ − n) − (n/d)(d̂ − d)) / d̂; the reciprocal and the product then round once each. ∎
+    /// n̂/d̂ − n/d = ((n̂ − n) − (n/d)(d̂ − d)) / d̂; the reciprocal from a product of two denominators then
+    /// rounds three times, and the product once. ∎
     #[must_use]
     pub fn drift_bound(&self, range: Range<i32>, additions: u32) -> [f64; N] {
         let valid = self.valid_interval(range);
@@ -245,7 +263,7 @@ impl<const N: usize> Span<N> {
             let error = factor * values[0].abs().max(values[1].abs());
             let ratio = (values[0] / depths[0]).abs().max((values[1] / depths[1]).abs());
             let forms = (error + ratio * depth_error) / least;
-            (forms + 2.5 * UNIT * (ratio + forms)) * OUTWARD
+            (forms + 4.5 * UNIT * (ratio + forms)) * OUTWARD
         })
     }
 }

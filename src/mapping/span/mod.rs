@@ -14,7 +14,7 @@
 //! | how | work a pixel | error | where |
 //! | --- | --- | --- | --- |
 //! | exactly, at any pixel | one division, a compensated sum a form | 4 ulp | [`Span::at`], [`Span::exact`] |
-//! | incrementally, anchored every 64 pixels | one division, N + 1 additions, N products | [`Span::walk_bound`] | [`Span::walk`] |
+//! | incrementally, anchored every 64 pixels | half a division, N + 1 additions, N + 1½ products | [`Span::walk_bound`] | [`Span::walk`] |
 //! | by polynomials on runs of n pixels | one division every n (quadratic n/2, cubic n/3) | [`Approximation::error_bound`] | [`Approximation`] |
 //! | along lines of constant depth | one division a line | [`ConstantDepthLines::error_bound`] | [`ConstantDepthLines`] |
 //!
@@ -324,6 +324,9 @@ impl<const N: usize> Span<N> {
         let start = range.start.max(-Self::PIXEL_LIMIT);
         let end = range.end.min(Self::PIXEL_LIMIT).max(start);
         let positive = |x: i32| self.denominator.at(self.relative(x)) > 0.0;
+        if start < end && positive(start) && positive(end - 1) {
+            return start..end;
+        }
         let step = self.denominator.step;
         if step == 0.0 {
             return if positive(0) { start..end } else { start..start };
@@ -350,16 +353,17 @@ impl<const N: usize> Span<N> {
         }
     }
 
-    /// The pixels of a valid interval where attribute `k` may lie between two values: one interval, a little wider than that.
+    /// The pixels of a valid interval where attribute `k` lies between two values: one interval, up to `slack` pixels wider at
+    /// either end, or narrower where it is negative.
     ///
-    /// Left and right of it the attribute lies beyond one of the values by more than the rounding of their difference from
-    /// it, at pixels within [`PIXEL_LIMIT`](Self::PIXEL_LIMIT) of the origin.
+    /// The ends are right to the rounding of the difference of attribute and value, and to less than a pixel.
     #[cfg(feature = "std")]
     pub(crate) fn interval_within(
         &self,
         k: usize,
         [low, high]: [f64; 2],
         valid: Range<i32>,
+        slack: i32,
     ) -> Range<i32> {
         let (n, d) = (&self.numerators[k], &self.denominator);
         // uₖ ≥ low is n − low d ≥ 0 where d > 0, and so for high.
@@ -370,9 +374,9 @@ impl<const N: usize> Span<N> {
             // The cast saturates, and sends NaN to 0.
             let clamped = |x: f64| (x as i32).clamp(range.start, range.end);
             if step > 0.0 {
-                clamped(root - 2.0)..range.end
+                clamped(root - f64::from(slack))..range.end
             } else if step < 0.0 {
-                range.start..clamped(root + 3.0)
+                range.start..clamped(root + f64::from(1 + slack))
             } else if at_origin < 0.0 {
                 range.start..range.start
             } else {
