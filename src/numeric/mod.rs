@@ -15,4 +15,4 @@ pub(crate) mod triangular;
 pub(crate) mod twofold;
 mod vector;
 
-pub(crate) use vector::vectorised;
+pub(crate) use vector::{vectorised, vectorised_by_half};

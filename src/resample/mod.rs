@@ -17,10 +17,12 @@ mod border;
 mod filter;
 mod image;
 mod kernel;
+mod located;
 mod position;
 mod sampler;
 mod taps;
 mod warp;
+mod weigh;
 
 pub use border::Border;
 pub use filter::{Cubic, Filter};

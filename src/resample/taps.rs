@@ -177,19 +177,22 @@ impl Packed for f32 {
     }
 }
 
-/// How many samples the first taps of 64 pixels lie behind a window's first one.
+/// Blocks of 64 pixels whose places are found at once.
+pub(super) const BLOCKS: usize = 8;
+
+/// How many samples the first taps of the pixels of some blocks lie behind a window's first one.
 ///
 /// *Invariant.* None is more than the limit.
 #[repr(align(64))]
 pub(super) struct Offsets {
-    offsets: [u32; BLOCK],
+    offsets: [[u32; BLOCK]; BLOCKS],
     limit: u32,
 }
 
 impl Offsets {
     /// All zero.
     pub(super) fn new(limit: u32) -> Self {
-        Self { offsets: [0; BLOCK], limit }
+        Self { offsets: [[0; BLOCK]; BLOCKS], limit }
     }
 
     /// Makes `limit` the limit.
@@ -200,10 +203,10 @@ impl Offsets {
         }
     }
 
-    /// Makes room for the places of a block in a picture of `stride` samples a row.
+    /// Makes room for the places of a block's pixels in a picture of `stride` samples a row.
     #[inline(always)]
-    pub(super) fn places(&mut self, stride: u32) -> OffsetsMut<'_> {
-        OffsetsMut { offsets: &mut self.offsets, limit: self.limit, stride }
+    pub(super) fn block(&mut self, block: usize, stride: u32) -> OffsetsMut<'_> {
+        OffsetsMut { limit: self.limit, stride, offsets: &mut self.offsets[block] }
     }
 }
 
@@ -231,6 +234,21 @@ impl OffsetsMut<'_> {
         for i in 0..L {
             to[i] = offsets[i].min(self.limit);
         }
+    }
+}
+
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+impl OffsetsMut<'_> {
+    /// As [`set`](Self::set), of sixteen pixels.
+    #[inline(always)]
+    pub(super) fn set_wide<S: fearless_simd::Simd, const C: usize>(
+        &mut self,
+        start: usize,
+        [x, y]: [fearless_simd::u32x16<S>; 2],
+    ) {
+        use fearless_simd::SimdBase;
+        let offsets = (x * C as u32 + y * self.stride).min(self.limit);
+        offsets.store_slice(&mut self.offsets[start..start + 16]);
     }
 }
 
@@ -267,10 +285,11 @@ impl<'a, T: Packed> Window<'a, T> {
         self.limit
     }
 
-    /// The places at some offsets; `None` if their limit is larger than the window's.
+    /// The places at the offsets of a block; `None` if their limit is larger than the window's.
     #[inline(always)]
-    pub(super) fn places(self, offsets: &'a Offsets) -> Option<Places<'a, T>> {
-        (offsets.limit <= self.limit).then_some(Places { window: self, offsets: &offsets.offsets })
+    pub(super) fn places(self, offsets: &'a Offsets, block: usize) -> Option<Places<'a, T>> {
+        let limited = offsets.limit <= self.limit;
+        limited.then(|| Places { window: self, offsets: &offsets.offsets[block] })
     }
 }
 
@@ -331,7 +350,12 @@ impl<T: Packed> Places<'_, T> {
     ) -> Option<Squares<'_, T, N, C, L>> {
         let last = stride.checked_mul(N - 1)?.checked_add((N - 1) * C)?;
         self.start(last, L)?;
-        Some(Squares { start: self.start(0, L)?, offsets: self.offsets, stride, texels: PhantomData })
+        Some(Squares {
+            start: self.start(0, L)?,
+            offsets: self.offsets,
+            stride,
+            texels: PhantomData,
+        })
     }
 
     /// The pixel of `C` samples at each place, to neighbouring pixels.

@@ -2,15 +2,13 @@
 
 use core::ops::Range;
 
-use super::linear::LINEAR_ERROR;
+use super::linear::{LINEAR_ERROR, Linear, RAMP};
 use super::{BLOCK, Span};
 
 /// u, the unit roundoff of `f64`.
 const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Interleaved walks in one block.
 pub(crate) const LANES: usize = 8;
-/// Half of them: vectors that are worked on one beside the other.
-const HALF: usize = LANES / 2;
 /// The most additions between an anchor and a pixel: one from lane to lane, whose product rounds by less than another, and
 /// one a step of the lanes.
 const ADDITIONS: u32 = 2 + (BLOCK / LANES) as u32 - 1;
@@ -20,6 +18,41 @@ const WALKABLE: f64 = 64.0;
 const MULTIPLIABLE: [f64; 2] = [1e-150, 1e150];
 /// Covers the rounding of a bound's own arithmetic.
 pub(super) const OUTWARD: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
+
+/// A linear form on a block of 64 pixels.
+#[derive(Clone, Copy)]
+pub(crate) struct Form {
+    /// The value at its first pixel, rounded once.
+    first: f64,
+    step: f64,
+}
+
+/// What a block is walked with.
+#[derive(Clone, Copy)]
+pub(crate) struct Forms<const N: usize> {
+    pub(crate) depth: Form,
+    /// 1/d at the first pixel: everywhere, if its form has no step.
+    pub(crate) reciprocal: f64,
+    pub(crate) numerators: [Form; N],
+}
+
+impl Form {
+    /// The values at the first pixels, each rounded twice more.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> [f64; LANES] {
+        let mut lanes = [0.0; LANES];
+        for i in 0..LANES {
+            lanes[i] = self.first + self.step * RAMP[i];
+        }
+        lanes
+    }
+
+    /// From each of them to the next one of its chain.
+    #[inline(always)]
+    pub(crate) fn step_of_lanes(&self) -> f64 {
+        LANES as f64 * self.step
+    }
+}
 
 /// γₖ = k u / (1 − k u).
 fn gamma(k: f64) -> f64 {
@@ -105,51 +138,55 @@ impl<const N: usize> Span<N> {
     /// they are without meaning.
     #[inline(always)]
     pub(crate) fn walk_block(&self, anchor: i32, mut emit: impl FnMut(usize, [[f64; LANES]; N])) {
-        let x = self.relative(anchor);
-        let depth = self.denominator.at(x);
-        if !self.is_walkable(depth) {
+        let Some(forms) = self.forms(anchor) else {
             let mut values = [[0.0; BLOCK]; N];
             self.fill_exact(anchor, BLOCK, &mut values);
             for start in (0..BLOCK).step_by(LANES) {
                 emit(start, values.map(|v| core::array::from_fn(|i| v[start + i])));
             }
             return;
-        }
-        // Eight chains of each form.
-        let mut depths: [[f64; HALF]; 2] = self.denominator.lanes(depth);
-        let depth_step = LANES as f64 * self.denominator.step;
-        let mut sums = [[[0.0; HALF]; 2]; N];
-        let mut steps = [0.0; N];
-        for k in 0..N {
-            let numerator = &self.numerators[k];
-            sums[k] = numerator.lanes(numerator.at(x));
-            steps[k] = LANES as f64 * numerator.step;
-        }
-        let constant = depth_step == 0.0;
-        let mut reciprocals = [[1.0 / depth; HALF]; 2];
-        // All forms advance together, so that nothing but the quotients leaves the registers.
-        for start in (0..BLOCK).step_by(LANES) {
-            if !constant {
-                let ([a, b], [of_a, of_b]) = (&mut depths, &mut reciprocals);
-                for i in 0..HALF {
-                    let of_both = 1.0 / (a[i] * b[i]);
-                    of_a[i] = of_both * b[i];
-                    of_b[i] = of_both * a[i];
-                    a[i] += depth_step;
-                    b[i] += depth_step;
+        };
+        // Eight chains of each form, all advancing together, so that nothing but the quotients leaves the registers.
+        let mut depths = forms.depth.lanes();
+        let mut sums = forms.numerators.map(|n| n.lanes());
+        let depth_step = forms.depth.step_of_lanes();
+        let steps = forms.numerators.map(|n| n.step_of_lanes());
+        for start in (0..BLOCK).step_by(2 * LANES) {
+            let mut reciprocals = [[forms.reciprocal; LANES]; 2];
+            if depth_step != 0.0 {
+                for i in 0..LANES {
+                    let a = depths[i];
+                    let b = a + depth_step;
+                    depths[i] = b + depth_step;
+                    let of_both = 1.0 / (a * b);
+                    reciprocals[0][i] = of_both * b;
+                    reciprocals[1][i] = of_both * a;
                 }
             }
-            let mut values = [[0.0; LANES]; N];
-            for k in 0..N {
-                for half in 0..2 {
-                    for i in 0..HALF {
-                        values[k][half * HALF + i] = sums[k][half][i] * reciprocals[half][i];
-                        sums[k][half][i] += steps[k];
+            for (half, reciprocals) in reciprocals.iter().enumerate() {
+                let mut values = [[0.0; LANES]; N];
+                for k in 0..N {
+                    for i in 0..LANES {
+                        values[k][i] = sums[k][i] * reciprocals[i];
+                        sums[k][i] += steps[k];
                     }
                 }
+                emit(start + half * LANES, values);
             }
-            emit(start, values);
         }
+    }
+
+    /// The forms of the block of 64 pixels from `anchor` on; `None` if it is to be evaluated exactly.
+    #[inline(always)]
+    pub(crate) fn forms(&self, anchor: i32) -> Option<Forms<N>> {
+        let x = self.relative(anchor);
+        let form = |linear: &Linear| Form { first: linear.at(x), step: linear.step };
+        let depth = form(&self.denominator);
+        self.is_walkable(depth.first).then(|| Forms {
+            depth,
+            reciprocal: 1.0 / depth.first,
+            numerators: self.numerators.each_ref().map(form),
+        })
     }
 
     /// Whether the denominators of a block differ little, by the one at its first pixel. Of a block with valid pixels at least

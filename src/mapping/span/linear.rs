@@ -45,18 +45,6 @@ impl Linear {
         sum + (error + self.low * x)
     }
 
-    /// The values at a pixel, which is `first`, and at those that follow it, in two halves: each rounded twice more.
-    #[inline(always)]
-    pub(super) fn lanes<const L: usize>(&self, first: f64) -> [[f64; L]; 2] {
-        let mut values = [[0.0; L]; 2];
-        for half in 0..2 {
-            for i in 0..L {
-                values[half][i] = first + self.step * RAMP[half * L + i];
-            }
-        }
-        values
-    }
-
     /// The values at x, x + 1, ….
     #[inline(always)]
     pub(super) fn fill(&self, x: f64, values: &mut [f64]) {

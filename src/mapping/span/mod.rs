@@ -43,6 +43,8 @@ use crate::error::{Error, ProjectionError};
 use crate::numeric::twofold::Twofold;
 #[cfg(feature = "std")]
 pub(crate) use hyperbolic::LANES;
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+pub(crate) use hyperbolic::{Form, Forms};
 use linear::Linear;
 
 /// Pixels between two anchors of an incremental walk, and the most pixels handed out at once.
