@@ -80,7 +80,7 @@
 //! | --- | --- |
 //! | `std` (default) | the standard library; `adjust`, `resample`, `texturer` and `interop` need it |
 //! | `libm` | float functions where there is no standard library |
-//! | `rayon` | bundle adjustment on the threads of the caller's pool |
+//! | `rayon` | bundle adjustment and warping on the threads of the caller's pool |
 //! | `simd` | loops over many points on the processor's widest vectors, chosen at run time |
 //! | `mint` | conversions to and from the neutral types of mint 0.5 |
 #![no_std]

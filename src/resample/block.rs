@@ -59,6 +59,11 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         Some(Self { single, scratch })
     }
 
+    /// Bytes from one row of the picture to the next.
+    pub(super) fn bytes_a_row(&self) -> usize {
+        self.single.view.samples().1.saturating_mul(size_of::<T>())
+    }
+
     /// Writes the values at the positions to `pixels`; as [`Sampler::at`] for each.
     ///
     /// A pixel without a value becomes the border's constant and is left alone where it has none.

@@ -208,6 +208,15 @@ impl<'a, T: Sample, const C: usize> ImageViewMut<'a, T, C> {
         self.data.get_mut(start..start + self.width * C).unwrap_or_default()
     }
 
+    /// The samples of all rows, the last one without what follows it, and how many lie between the beginnings of two.
+    pub(super) fn samples_mut(&mut self) -> (&mut [T], usize) {
+        let needed = match self.height {
+            0 => 0,
+            height => (height - 1) * self.stride + self.width * C,
+        };
+        (self.data.get_mut(..needed).unwrap_or_default(), self.stride)
+    }
+
     /// The picture to read.
     #[must_use]
     pub fn as_view(&self) -> ImageView<'_, T, C> {

@@ -58,7 +58,7 @@ struct Case {
 
 fn cases() -> impl Strategy<Value = Case> {
     let unit = -1.0..1.0f64;
-    let sizes = ([1..90usize, 1..40usize], 0..5usize, 0..9usize, [1..300usize, 1..4usize]);
+    let sizes = ([1..90usize, 1..40usize], 0..5usize, 0..9usize, [1..900usize, 1..3usize]);
     (sizes, any::<u32>(), proptest::array::uniform8(unit), 0..5usize).prop_map(
         |((size, padding, spare, target), seed, coefficients, border)| Case {
             size,
@@ -298,4 +298,61 @@ fn a_map_that_lies_about_its_rows_paints_no_other_pixels() {
     assert_eq!(warped(&[-1]), [0; 6]);
     assert_eq!(warped(&[1, 1, 0, 4, 3]), [0, 20, 20, 20, 30, 0]);
     assert_eq!(warped(&[i32::MIN, i32::MIN, i32::MAX]), [0; 6]);
+}
+
+/// Rows that run down a picture of so many rows that they are painted in strips: from the numbers in the texels alone.
+#[test]
+fn rows_that_run_across_many_pages_of_memory_have_the_same_pixels() {
+    let (width, height) = (1100, 4400);
+    let texel = |x: usize, y: usize| [x as u16, y as u16, (x ^ y) as u16];
+    let samples: Vec<u16> = (0..width * height).flat_map(|i| texel(i % width, i / width)).collect();
+    let view = ImageView::<u16, 3>::new(&samples, width, height).unwrap();
+    // u = L + 20, v = 4420 − S: from 20 rows beyond the last one to the first one.
+    let turn = FractionalLinear::from_coefficients(
+        [20.0, 0.0, 1.0],
+        [4420.0, -1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+    )
+    .unwrap();
+    let (tw, th) = (4420, 70);
+    let mut pixels = vec![7; tw * th * 3];
+    let mut target = ImageViewMut::<u16, 3>::new(&mut pixels, tw, th).unwrap();
+    warp(view, &turn, Filter::Nearest, Border::Transparent, &mut target);
+    for (i, pixel) in pixels.chunks_exact(3).enumerate() {
+        let (x, y) = (i % tw, i / tw);
+        let expected = if x < 20 { [7; 3] } else { texel(y + 20, 4419 - x) };
+        assert_eq!(pixel, expected, "{x} {y}");
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn any_number_of_threads_paints_the_same_bytes() {
+    let samples: Vec<u8> = (0..90 * 70 * 3).map(|i| (i * i % 251) as u8).collect();
+    let view = ImageView::<u8, 3>::new(&samples, 90, 70).unwrap();
+    let map = FractionalLinear::from_coefficients(
+        [-20.0, 0.4, 0.1],
+        [-30.0, -0.05, 0.5],
+        [1.0, 2e-4, -1e-3],
+        [1.0, 0.0, 0.0],
+    )
+    .unwrap();
+    let painted = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut pixels = vec![9; 301 * 200 * 3];
+        let mut target =
+            ImageViewMut::<u8, 3>::with_stride(&mut pixels, 299, 199, 301 * 3).unwrap();
+        pool.install(|| {
+            warp(view, &map, Filter::Lanczos3, Border::Constant([1.0; 4]), &mut target);
+        });
+        pixels
+    };
+    let one = painted(1);
+    assert!(one.iter().any(|&p| p > 100) && one.contains(&1));
+    // What lies between the rows is left alone.
+    assert_eq!(one[299 * 3..301 * 3], [9; 6]);
+    for threads in [2, 3, 8] {
+        assert!(painted(threads) == one, "{threads} threads");
+    }
 }
