@@ -85,13 +85,12 @@ fn run<T: Raw, const C: usize>(request: &Value) -> Result<Value, Failure> {
     let view = ImageView::<T, C>::new(&source, side("sw")?, side("sh")?)?;
     let [width, height] = [side("dw")?, side("dh")?];
     let map = map(&request["m"])?;
-    if request["threads"].as_u64() != Some(1) {
-        return Err("one thread only".into());
-    }
+    let threads = request["threads"].as_u64().ok_or("threads is missing")? as usize;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let mut pixels = vec![T::default(); width * height * C];
     let mut call = || -> Result<(), Failure> {
         let mut target = ImageViewMut::<T, C>::new(&mut pixels, width, height)?;
-        warp(view, &map, filter, Border::Constant([0.0; 4]), &mut target);
+        pool.install(|| warp(view, &map, filter, Border::Constant([0.0; 4]), &mut target));
         Ok(())
     };
     call()?;
