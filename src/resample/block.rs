@@ -10,6 +10,7 @@ use super::border::Border;
 use super::filter::Filter;
 use super::image::{ImageView, Sample};
 use super::located::{Located, Plan, Within};
+use super::margin::Margin;
 use super::position::LARGEST;
 use super::sampler::{Prepared, Sampler};
 use super::taps::{BLOCKS, Window};
@@ -34,17 +35,55 @@ pub(super) enum Positions<'a> {
     Span(Span<2>, Range<i32>),
 }
 
-/// What blocks of a row share.
-struct Context<'a, T, F> {
-    filter: &'a F,
+/// A picture, or the strip along one of its edges, that blocks find all their taps in.
+#[derive(Clone, Copy)]
+struct Region<'a, T> {
     window: Window<'a, T>,
     plan: Plan,
+    /// The pixels of a row that do, from the first to beyond the last.
+    pixels: [i32; 2],
+}
+
+impl<'a, T: Sample> Region<'a, T> {
+    /// For no pixels yet; `None` if it is too small or too large.
+    fn new<F: BlockFilter<T, C>, const C: usize>(
+        samples: &'a [T],
+        stride: usize,
+        [width, height]: [usize; 2],
+        origin: [i32; 2],
+    ) -> Option<Self> {
+        // An offset counts samples in 32 bits.
+        let countable = u32::try_from(samples.len()).is_ok();
+        if width < F::TAPS || width.max(height) >= LARGEST as usize || !countable {
+            return None;
+        }
+        // Words may reach beyond the last row's texels, and then beyond the picture.
+        let last = (height - 1) * stride + (width - F::TAPS) * C;
+        let rows = height - usize::from(samples.len() - last < F::REACH);
+        let within = Within {
+            before: origin.map(|origin| F::TAPS.div_ceil(2) as i32 - 1 + origin),
+            last: [(width - F::TAPS) as u32, rows.checked_sub(F::TAPS)? as u32],
+        };
+        let window = Window::new(samples, (F::TAPS - 1) * stride + F::REACH)?;
+        let (fractions, stride) = (F::FRACTIONS, stride as u32);
+        let plan = Plan { within, shift: F::SHIFT, fractions, channels: C, stride };
+        Some(Self { window, plan, pixels: [0; 2] })
+    }
+
+    /// For those pixels of a range of a span that have all their taps here.
+    fn along(self, span: &Span<2>, range: &Range<i32>) -> Self {
+        let pixels = self.plan.within.interval(span, self.plan.shift, range.clone());
+        Self { pixels: [pixels.start, pixels.end], ..self }
+    }
 }
 
 /// A picture that rows of pixels are looked up in.
 pub(super) struct BlockSampler<'a, T, const C: usize> {
     single: Sampler<'a, T, C>,
     scratch: Box<Scratch<T>>,
+    /// Made when many pixels were looked up alone.
+    margins: Option<Box<[Margin<T>; 4]>>,
+    mended: usize,
 }
 
 impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
@@ -56,7 +95,7 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
             work: Work::EMPTY,
             pixels: [T::default(); 4 * BLOCK],
         });
-        Some(Self { single, scratch })
+        Some(Self { single, scratch, margins: None, mended: 0 })
     }
 
     /// Bytes from one row of the picture to the next.
@@ -78,32 +117,16 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         }
     }
 
-    /// Where all taps lie within the picture; nowhere if it is too small or too large.
-    fn within<F: BlockFilter<T, C>>(&self) -> Option<Within> {
-        let view = &self.single.view;
-        let (samples, stride) = view.samples();
-        let [width, height] = [view.width(), view.height()];
-        // An offset counts samples in 32 bits.
-        let countable = u32::try_from(samples.len()).is_ok();
-        if width < F::TAPS || width.max(height) >= LARGEST as usize || !countable {
-            return None;
-        }
-        // Words may reach beyond the last row's texels, and then beyond the picture.
-        let last = (height - 1) * stride + (width - F::TAPS) * C;
-        let rows = height - usize::from(samples.len() - last < F::REACH);
-        (rows >= F::TAPS).then(|| Within {
-            before: F::TAPS.div_ceil(2) as u32 - 1,
-            last: [(width - F::TAPS) as u32, (rows - F::TAPS) as u32],
-        })
-    }
-
     fn paint_with<F: BlockFilter<T, C>>(
         &mut self,
         filter: &F,
         positions: &Positions<'_>,
         pixels: &mut [T],
     ) {
-        let Some(within) = self.within::<F>() else {
+        let view = self.single.view;
+        let (samples, stride) = view.samples();
+        let size = [view.width(), view.height()];
+        let Some(picture) = Region::new::<F, C>(samples, stride, size, [0; 2]) else {
             match positions {
                 Positions::Each(u, v) => self.paint_each(u, v, pixels),
                 Positions::Span(span, valid) => {
@@ -114,82 +137,106 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
             }
             return;
         };
-        let (samples, stride) = self.single.view.samples();
-        let reach = (F::TAPS - 1) * stride + F::REACH;
-        let Some(window) = Window::new(samples, reach) else { return };
-        self.scratch.located.offsets.restrict(window.limit());
-        let plan = Plan {
-            within,
-            shift: F::SHIFT,
-            fractions: F::FRACTIONS,
-            channels: C,
-            stride: stride as u32,
-        };
-        self.paint_blocks(&Context { filter, window, plan }, positions, pixels);
+        // Out of the sampler, which is worked with meanwhile.
+        let margins = self.margins.take();
+        match positions {
+            Positions::Each(u, v) => self.paint_each_block(filter, &picture, u, v, pixels),
+            Positions::Span(span, valid) => {
+                self.paint_span(filter, picture, margins.as_deref(), span, valid, pixels);
+            }
+        }
+        self.margins = margins;
+        if self.margins.is_none() && self.mended > Margin::texels(&self.single, F::TAPS) / 16 {
+            self.margins = Some(Box::new(Margin::all(&self.single, F::TAPS)));
+        }
     }
 
-    fn paint_blocks<F: BlockFilter<T, C>>(
+    fn paint_span<F: BlockFilter<T, C>>(
         &mut self,
-        context: &Context<'_, T, F>,
-        positions: &Positions<'_>,
+        filter: &F,
+        picture: Region<'_, T>,
+        margins: Option<&[Margin<T>; 4]>,
+        span: &Span<2>,
+        valid: &Range<i32>,
         pixels: &mut [T],
     ) {
-        let plan = &context.plan;
-        // The first pixel's x, those whose filters see the picture, and those of them whose filters see nothing else.
-        let (first, seen, inside) = match positions {
-            Positions::Each(u, v) => (0, 0..u.len().min(v.len()) as i32, 0..0),
-            Positions::Span(span, valid) => {
-                let seen = self.single.seen(span, valid, F::TAPS);
-                let inside = plan.within.interval(span, plan.shift, seen.clone());
-                (valid.start, seen, inside)
+        // The pixels whose filters see the picture, and those of them whose filters see nothing else, or an edge's strip.
+        let seen = self.single.seen(span, valid, F::TAPS);
+        let picture = picture.along(span, &seen);
+        let mut regions = [Some(picture), None, None, None, None];
+        if picture.pixels != [seen.start, seen.end]
+            && let Some(margins) = margins
+        {
+            let filtered = self.single.filtered(span, &seen, F::TAPS);
+            for (region, margin) in regions[1..].iter_mut().zip(margins) {
+                let stride = margin.size()[0] * C;
+                let whole =
+                    Region::new::<F, C>(margin.samples(), stride, margin.size(), margin.origin());
+                *region = whole.map(|region| region.along(span, &filtered));
             }
-        };
-        let (before, rest) = pixels.split_at_mut((seen.start - first) as usize * C);
+        }
+        let (before, rest) = pixels.split_at_mut((seen.start - valid.start) as usize * C);
         let (mut rest, after) = rest.split_at_mut(seen.len() * C);
         self.fill(before);
         self.fill(after);
         let mut x = seen.start;
         while x < seen.end {
             let anchor = x & !(BLOCK as i32 - 1);
-            let whole = if x == anchor && inside.contains(&x) {
-                ((inside.end - x) as usize / BLOCK).min(BLOCKS)
-            } else {
-                0
+            let blocks = |region: &Region<'_, T>| {
+                let [start, end] = region.pixels;
+                if start <= anchor { (end - x).max(0) as usize / BLOCK } else { 0 }
             };
-            let from = (x - anchor) as usize;
-            let count = if whole > 0 { whole * BLOCK } else { seen.len().min(BLOCK - from) };
-            let count = count.min((seen.end - x) as usize);
-            let (pixels, after) = core::mem::take(&mut rest).split_at_mut(count * C);
-            let located = &mut self.scratch.located;
-            let straight = match positions {
-                Positions::Each(u, v) => {
-                    let (u, v) = (part(u, x), part(v, x));
-                    let straight = located.each(plan, [&u, &v], false) && count == BLOCK;
-                    if !straight {
-                        located.each(plan, [&u, &v], true);
-                    }
-                    straight
-                }
-                Positions::Span(span, _) => {
-                    located.span(plan, span, anchor, whole.max(1), whole == 0);
-                    whole > 0
-                }
-            };
+            let region = regions.iter().flatten().find(|region| x == anchor && blocks(region) > 0);
             let Scratch { located, work, pixels: scratch } = &mut *self.scratch;
-            if straight {
-                weigh(context, located, work, pixels);
+            let count = if let Some(region) = region {
+                let whole = blocks(region).min(BLOCKS);
+                let (pixels, after) = core::mem::take(&mut rest).split_at_mut(whole * BLOCK * C);
+                located.offsets.restrict(region.window.limit());
+                located.span(&region.plan, span, anchor, whole, false);
+                weigh(filter, region, located, work, pixels);
+                rest = after;
+                whole * BLOCK
             } else {
-                weigh(context, located, work, &mut scratch[..C * BLOCK]);
-                self.mend(&plan.within, F::TAPS, from, pixels);
-            }
-            rest = after;
+                let from = (x - anchor) as usize;
+                let count = ((seen.end - x) as usize).min(BLOCK - from);
+                let (pixels, after) = core::mem::take(&mut rest).split_at_mut(count * C);
+                located.offsets.restrict(picture.window.limit());
+                located.span(&picture.plan, span, anchor, 1, true);
+                weigh(filter, &picture, located, work, &mut scratch[..C * BLOCK]);
+                self.mend(&picture.plan.within, F::TAPS, from, pixels);
+                rest = after;
+                count
+            };
             x += count as i32;
+        }
+    }
+
+    fn paint_each_block<F: BlockFilter<T, C>>(
+        &mut self,
+        filter: &F,
+        picture: &Region<'_, T>,
+        u: &[f64],
+        v: &[f64],
+        pixels: &mut [T],
+    ) {
+        for (block, pixels) in pixels.chunks_mut(BLOCK * C).enumerate() {
+            let positions = [u, v].map(|all| part(all, block * BLOCK));
+            let [u, v] = &positions;
+            let Scratch { located, work, pixels: scratch } = &mut *self.scratch;
+            located.offsets.restrict(picture.window.limit());
+            if located.each(&picture.plan, [u, v], false) && pixels.len() == BLOCK * C {
+                weigh(filter, picture, located, work, pixels);
+            } else {
+                located.each(&picture.plan, [u, v], true);
+                weigh(filter, picture, located, work, &mut scratch[..C * BLOCK]);
+                self.mend(&picture.plan.within, F::TAPS, 0, pixels);
+            }
         }
     }
 
     /// Pixels of a block from number `from` on: from the scratch those whose taps lie within, the others one by one.
     #[inline(never)]
-    fn mend(&self, within: &Within, taps: usize, from: usize, pixels: &mut [T]) {
+    fn mend(&mut self, within: &Within, taps: usize, from: usize, pixels: &mut [T]) {
         let Scratch { located, pixels: whole, .. } = &*self.scratch;
         for (i, pixel) in (from..).zip(pixels.chunks_exact_mut(C)) {
             let first = located.first(i);
@@ -198,6 +245,7 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
             } else if self.single.sees_border(first, taps as i32) {
                 self.single.paint_border(pixel);
             } else {
+                self.mended += 1;
                 let [u, v] = located.position(i);
                 self.single.paint(self.single.at(u, v), pixel);
             }
@@ -223,19 +271,20 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
 /// The values of the blocks of `pixels`, whose places are found.
 #[inline(never)]
 fn weigh<T: Sample, F: BlockFilter<T, C>, const C: usize>(
-    context: &Context<'_, T, F>,
+    filter: &F,
+    region: &Region<'_, T>,
     located: &Located,
     work: &mut Work,
     pixels: &mut [T],
 ) {
-    let stride = context.plan.stride as usize;
+    let stride = region.plan.stride as usize;
     vectorised_by_half(
         #[inline(always)]
         || {
             for (block, pixels) in pixels.chunks_exact_mut(C * BLOCK).enumerate() {
-                let Some(places) = context.window.places(&located.offsets, block) else { return };
+                let Some(places) = region.window.places(&located.offsets, block) else { return };
                 let taps = Taps { places, stride, fractions: located.fractions(block) };
-                context.filter.weigh(&taps, work, pixels);
+                filter.weigh(&taps, work, pixels);
             }
         },
     );
@@ -243,8 +292,8 @@ fn weigh<T: Sample, F: BlockFilter<T, C>, const C: usize>(
 
 /// The 64 positions from number `x` on, where those beyond the end repeat the last one.
 #[inline(always)]
-fn part(all: &[f64], x: i32) -> [f64; BLOCK] {
-    let all = all.get(x as usize..).unwrap_or_default();
+fn part(all: &[f64], x: usize) -> [f64; BLOCK] {
+    let all = all.get(x..).unwrap_or_default();
     if let Some(part) = all.first_chunk() {
         return *part;
     }

@@ -150,6 +150,15 @@ impl<'a, T: Sample, const C: usize> ImageView<'a, T, C> {
         (self.data, self.stride)
     }
 
+    /// The samples of a row; `None` below the picture.
+    pub(super) fn row(&self, y: usize) -> Option<&'a [T]> {
+        if y >= self.height {
+            return None;
+        }
+        let start = y * self.stride;
+        self.data.get(start..start + self.width * C)
+    }
+
     /// The samples of a pixel; `None` outside the picture.
     #[inline]
     #[must_use]

@@ -29,8 +29,8 @@ pub(super) struct Plan {
 /// The texels whose filters lie within a picture: first taps from (0, 0) to a last one.
 #[derive(Clone, Copy)]
 pub(super) struct Within {
-    /// Taps before the position along an axis.
-    pub(super) before: u32,
+    /// Taps before the position along an axis, and the texels of the picture at hand's corner.
+    pub(super) before: [i32; 2],
     /// The last column and row of a first tap.
     pub(super) last: [u32; 2],
 }
@@ -233,7 +233,7 @@ fn locate_wide<S: fearless_simd::Simd, const C: usize>(
     let mut sums = forms.numerators.each_ref().map(lanes);
     let depth_step = forms.depth.step_of_lanes();
     let steps = forms.numerators.each_ref().map(Form::step_of_lanes);
-    let (fixed, bias) = (FIXED - plan.shift, FIXED_HIGH + plan.within.before);
+    let (fixed, bias) = (FIXED - plan.shift, plan.within.bias());
     let constant = f64x8::splat(simd, forms.reciprocal);
     for start in (0..BLOCK).step_by(2 * LANES) {
         let mut reciprocals = [constant; 2];
@@ -251,7 +251,7 @@ fn locate_wide<S: fearless_simd::Simd, const C: usize>(
             sums[k] = b + steps[k];
             let bits = [a * reciprocals[0] + fixed, b * reciprocals[1] + fixed];
             let [a, b]: [u32x16<S>; 2] = bits.map(|sums| sums.bitcast());
-            first[k] = a.unzip_high(b) - bias;
+            first[k] = a.unzip_high(b) - bias[k];
             if let Some(fractions) = &mut fractions {
                 let low: i32x16<S> = (a.unzip_low(b) >> 8).bitcast();
                 let fraction: f32x16<S> = low.to_float::<f32x16<S>>() * UNIT;
@@ -277,7 +277,7 @@ impl Split<'_> {
         [u, v]: [&[f64; L]; 2],
         plan: &Plan,
     ) -> [[u32; L]; 2] {
-        let (fixed, bias) = (FIXED - plan.shift, FIXED_HIGH + plan.within.before);
+        let (fixed, bias) = (FIXED - plan.shift, plan.within.bias());
         let (mut u_bits, mut v_bits) = ([0; L], [0; L]);
         for i in 0..L {
             u_bits[i] = (u[i] + fixed).to_bits();
@@ -285,8 +285,8 @@ impl Split<'_> {
         }
         let mut first = [[0; L]; 2];
         for i in 0..L {
-            first[0][i] = ((u_bits[i] >> 32) as u32).wrapping_sub(bias);
-            first[1][i] = ((v_bits[i] >> 32) as u32).wrapping_sub(bias);
+            first[0][i] = ((u_bits[i] >> 32) as u32).wrapping_sub(bias[0]);
+            first[1][i] = ((v_bits[i] >> 32) as u32).wrapping_sub(bias[1]);
         }
         let range = start..start + L;
         if let Some(kept) = &mut self.kept {
@@ -309,6 +309,12 @@ impl Split<'_> {
 }
 
 impl Within {
+    /// What is taken off the upper half of a sum's bits for the first tap along each axis.
+    #[inline(always)]
+    fn bias(&self) -> [u32; 2] {
+        self.before.map(|before| FIXED_HIGH.wrapping_add_signed(before))
+    }
+
     /// Whether the taps from a first one on lie within the picture.
     #[inline(always)]
     pub(super) fn holds(&self, [x, y]: [u32; 2]) -> bool {
@@ -319,9 +325,12 @@ impl Within {
     /// The pixels of an interval whose taps, less `shift`, all lie within and not at its edge, so that those of positions that
     /// are rounded otherwise do too; perhaps a few less.
     pub(super) fn interval(&self, span: &Span<2>, shift: f64, range: Range<i32>) -> Range<i32> {
-        let first = f64::from(self.before) + shift;
-        let [columns, rows] = self.last.map(|last| [first + 1.0, first + f64::from(last) - 1.0]);
-        let range = span.interval_within(0, columns, range, -2);
-        span.interval_within(1, rows, range, -2)
+        let mut range = range;
+        for axis in 0..2 {
+            let first = f64::from(self.before[axis]) + shift;
+            let ends = [first + 1.0, first + f64::from(self.last[axis]) - 1.0];
+            range = span.interval_within(axis, ends, range, -2);
+        }
+        range
     }
 }

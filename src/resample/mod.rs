@@ -18,6 +18,7 @@ mod filter;
 mod image;
 mod kernel;
 mod located;
+mod margin;
 mod position;
 mod sampler;
 mod taps;

@@ -137,6 +137,19 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
         span.interval_within(1, [-margin, h + margin], columns, 2)
     }
 
+    /// The pixels of an interval whose value is made by a filter of `taps` texels, and perhaps a few less: those within a
+    /// transparent border, and those that see more than the constant one.
+    pub(super) fn filtered(&self, span: &Span<2>, range: &Range<i32>, taps: usize) -> Range<i32> {
+        let beyond = match self.border {
+            Border::Transparent => 0.0,
+            Border::Constant(_) => (taps as f64 - 1.0) / 2.0,
+            _ => return range.clone(),
+        };
+        let [w, h] = self.size.map(|n| [1e-6 - beyond, f64::from(n) + beyond - 1e-6]);
+        let columns = span.interval_within(0, w, range.clone(), -2);
+        span.interval_within(1, h, columns, -2)
+    }
+
     /// Whether a filter of `taps` texels whose first one stands in this column and row sees nothing but the border.
     #[inline(always)]
     pub(super) fn sees_border(&self, first: [u32; 2], taps: i32) -> bool {
@@ -160,7 +173,7 @@ impl<'a, T: Sample, const C: usize> Sampler<'a, T, C> {
     }
 
     #[inline]
-    fn texel(&self, [i, j]: [i32; 2]) -> [T; C] {
+    pub(super) fn texel(&self, [i, j]: [i32; 2]) -> [T; C] {
         let [[texel]]: [[[T; C]; 1]; 1] = self.texels([i, j]);
         texel
     }

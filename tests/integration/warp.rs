@@ -300,6 +300,50 @@ fn a_map_that_lies_about_its_rows_paints_no_other_pixels() {
     assert_eq!(warped(&[i32::MIN, i32::MIN, i32::MAX]), [0; 6]);
 }
 
+/// A row along each edge of a picture, many times: it is looked up in a strip that is filled up with the border.
+#[test]
+fn rows_along_an_edge_are_their_lookups_one_by_one() {
+    let (width, height) = (150, 40);
+    let samples: Vec<u8> = (0..width * height * 3).map(|i| (i * i % 253) as u8).collect();
+    let view = ImageView::<u8, 3>::new(&samples, width, height).unwrap();
+    let floats: Vec<f32> = samples.iter().map(|&s| f32::from(s) - 60.0).collect();
+    let floats = ImageView::<f32, 3>::new(&floats, width, height).unwrap();
+    let [w, h] = [width as f64, height as f64];
+    // From six texels beyond an edge to four within it, one row a ninth of a texel from the next.
+    let along = |u: [f64; 3], v: [f64; 3]| Affine2::from_coefficients(u, v);
+    let maps = [
+        along([-4.0, 0.39, 0.01], [-6.0, 0.003, 0.11]),
+        along([w + 4.0, -0.39, 0.01], [h - 4.0, 0.003, 0.11]),
+        along([-6.0, -0.002, 0.11], [-4.0, 0.12, 0.01]),
+        along([w - 4.0, -0.002, 0.11], [h + 4.0, -0.12, 0.01]),
+    ];
+    fn check<T: Sample>(view: ImageView<'_, T, 3>, map: &Affine2, filter: Filter, border: Border) {
+        let (tw, th) = (400, 90);
+        let before = vec![T::from_f32(77.0); tw * th * 3];
+        let mut pixels = before.clone();
+        let mut target = ImageViewMut::<T, 3>::new(&mut pixels, tw, th).unwrap();
+        warp(view, map, filter, border, &mut target);
+        for y in 0..th {
+            map.blocks(y as i32, 0..tw as i32, &mut |x, u, v| {
+                for (i, (u, v)) in u.iter().zip(v).enumerate() {
+                    let at = (y * tw + x as usize + i) * 3;
+                    let value = sample(view, &Point2::new(*u, *v), filter, border);
+                    let expected = value.unwrap_or([T::from_f32(77.0); 3]);
+                    assert_eq!(pixels[at..at + 3], expected, "{filter:?} {border:?} {u} {v}");
+                }
+            });
+        }
+    }
+    for map in &maps {
+        for filter in FILTERS {
+            for border in BORDERS {
+                check(view, map, filter, border);
+                check(floats, map, filter, border);
+            }
+        }
+    }
+}
+
 /// Rows that run down a picture of so many rows that they are painted in strips: from the numbers in the texels alone.
 #[test]
 fn rows_that_run_across_many_pages_of_memory_have_the_same_pixels() {
