@@ -8,6 +8,11 @@ use super::taps::Packed;
 pub trait Sample:
     Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Into<f32> + Packed + 'static
 {
+    /// Full light, full opacity: 255, 65,535 or 1.
+    const FULL: f32;
+    /// Whether samples are integers.
+    const IS_INTEGER: bool;
+
     /// The value as a float: 0 to 255 for `u8`, 0 to 65,535 for `u16`.
     #[inline(always)]
     fn to_f32(self) -> f32 {
@@ -21,9 +26,18 @@ pub trait Sample:
     }
 }
 
-impl Sample for u8 {}
-impl Sample for u16 {}
-impl Sample for f32 {}
+impl Sample for u8 {
+    const FULL: f32 = 255.0;
+    const IS_INTEGER: bool = true;
+}
+impl Sample for u16 {
+    const FULL: f32 = 65_535.0;
+    const IS_INTEGER: bool = true;
+}
+impl Sample for f32 {
+    const FULL: Self = 1.0;
+    const IS_INTEGER: bool = false;
+}
 
 /// A picture to read: samples of `C` interleaved channels, rows `stride` samples apart.
 ///

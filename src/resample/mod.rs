@@ -17,6 +17,7 @@ mod border;
 mod filter;
 mod image;
 mod kernel;
+mod light;
 mod located;
 mod margin;
 mod position;
@@ -28,6 +29,7 @@ mod weigh;
 pub use border::Border;
 pub use filter::{Cubic, Filter};
 pub use image::{ImageView, ImageViewMut, Sample};
+pub use light::{Alpha, Coding, Light, warp_by_light};
 pub use sampler::sample;
 pub use warp::warp;
 
