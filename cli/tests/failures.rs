@@ -320,7 +320,10 @@ fn a_bad_input_is_named_and_leaves_the_old_output_alone() {
         ),
         (rectify("camera.json", "plane.json", "none.png"), "none.png: cannot be read: "),
         (rectify("camera.json", "plane.json", "cut.png"), "cut.png: is cut off after "),
-        (rectify("camera.json", "plane.json", "text.png"), "text.png: is neither PNG nor JPEG"),
+        (
+            rectify("camera.json", "plane.json", "text.png"),
+            "text.png: is neither PNG, JPEG nor TIFF",
+        ),
         (rectify("camera.json", "plane.json", "wide.png"), "wide.png: is 41 × 30 pixels"),
         (
             vec![

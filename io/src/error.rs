@@ -486,8 +486,8 @@ pub enum LineProblem {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureProblem {
-    /// Neither PNG nor JPEG, whatever its extension says.
-    #[error("is neither PNG nor JPEG: it starts with {start}")]
+    /// Neither PNG, JPEG nor TIFF, whatever its extension says.
+    #[error("is neither PNG, JPEG nor TIFF: it starts with {start}")]
     NotAPicture {
         /// The first bytes, in hexadecimal.
         start: String,

@@ -1,9 +1,10 @@
-//! Pictures: PNG and JPEG, to plain bytes and back.
+//! Pictures: PNG, JPEG and TIFF, to plain bytes and back.
 //!
 //! A picture is recognised by its content, whatever its extension says. It is refused before any pixel is decoded where
 //! its header says that it has none, or more than the [`Limits`], and where its end is missing.
 //!
-//! - Samples of 16 bits are rounded to 8. Palettes become colours. CMYK becomes RGB.
+//! - Of a TIFF the first picture is read.
+//! - Samples of 16 bits are rounded to 8; floats are refused. Palettes become colours. CMYK becomes RGB.
 //! - Colour profiles and gamma are passed over: samples are taken as they stand.
 //! - The EXIF orientation is **not applied**, only told: a camera's calibration is that of the sensor's rows and columns.
 
@@ -14,6 +15,8 @@ use std::path::Path;
 
 use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
 use image::codecs::png::{PngDecoder, PngEncoder};
+use image::codecs::tiff::{TiffDecoder, TiffEncoder};
+use image::error::{ImageFormatHint, UnsupportedError, UnsupportedErrorKind};
 use image::{ExtendedColorType, ImageDecoder, ImageEncoder, ImageError};
 
 pub use header::PictureFormat;
@@ -81,7 +84,7 @@ impl Picture {
     }
 }
 
-/// Reads a PNG or JPEG file within the default [`Limits`].
+/// Reads a PNG, JPEG or TIFF file within the default [`Limits`].
 ///
 /// # Errors
 /// [`ErrorKind::Picture`], [`ErrorKind::Read`] or [`ErrorKind::TooLong`].
@@ -89,7 +92,7 @@ pub fn read_picture(path: &Path) -> Result<Picture, Error> {
     read_picture_within(path, Limits::default())
 }
 
-/// Reads a PNG or JPEG file within limits of the caller's.
+/// Reads a PNG, JPEG or TIFF file within limits of the caller's.
 ///
 /// # Errors
 /// As [`read_picture`].
@@ -99,7 +102,7 @@ pub fn read_picture_within(path: &Path, limits: Limits) -> Result<Picture, Error
         .map_err(|e| e.in_file(path))
 }
 
-/// Decodes the bytes of a PNG or JPEG file.
+/// Decodes the bytes of a PNG, JPEG or TIFF file.
 ///
 /// # Errors
 /// [`ErrorKind::Picture`].
@@ -121,6 +124,9 @@ pub fn decode_picture(bytes: &[u8], limits: Limits) -> Result<Picture, Error> {
         PictureFormat::Jpeg => {
             decode(JpegDecoder::new(Cursor::new(bytes)).map_err(problem)?).map_err(problem)?
         }
+        PictureFormat::Tiff => {
+            decode(TiffDecoder::new(Cursor::new(bytes)).map_err(problem)?).map_err(problem)?
+        }
     };
     picture.check()?;
     Ok(picture)
@@ -133,6 +139,11 @@ fn decode(mut decoder: impl ImageDecoder) -> Result<Picture, ImageError> {
     let (width, height) = decoder.dimensions();
     let (channels, bytes) =
         (decoder.color_type().channel_count(), decoder.color_type().bytes_per_pixel());
+    if bytes > 2 * channels {
+        let kind = UnsupportedErrorKind::Color(decoder.color_type().into());
+        let hint = ImageFormatHint::Unknown;
+        return Err(ImageError::Unsupported(UnsupportedError::from_format_and_kind(hint, kind)));
+    }
     let length = usize::try_from(decoder.total_bytes()).map_err(|_| {
         let kind = image::error::LimitErrorKind::InsufficientMemory;
         ImageError::Limits(image::error::LimitError::from_kind(kind))
@@ -185,7 +196,7 @@ fn damaged(bytes: &[u8], error: &ImageError) -> PictureProblem {
 ///
 /// # Errors
 /// [`ErrorKind::Extension`]; [`ErrorKind::Picture`] where the samples do not fill the picture, or the format cannot hold
-/// it (JPEG has 1 or 3 channels and sides up to 65,535); and as [`write_atomically`].
+/// it (JPEG has 1 or 3 channels and sides up to 65,535, TIFF 1, 3 or 4 channels); and as [`write_atomically`].
 pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Error> {
     let format = PictureFormat::from_path(path)?;
     check_for(format, picture).map_err(|e| Error::from(ErrorKind::from(e)).in_file(path))?;
@@ -195,6 +206,10 @@ pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Error> {
 fn check_for(format: PictureFormat, picture: &Picture) -> Result<(), PictureProblem> {
     picture.check()?;
     let Picture { width, height, channels, .. } = *picture;
+    if format == PictureFormat::Tiff && channels == 2 {
+        let allowed = "1, 3 or 4: write a PNG, or drop the opacity";
+        return Err(PictureProblem::Channels { channels, format: "TIFF", allowed });
+    }
     if format == PictureFormat::Jpeg {
         if !matches!(channels, 1 | 3) {
             let allowed = "1 or 3: write a PNG, or drop the opacity";
@@ -220,6 +235,12 @@ fn encode(w: &mut dyn Write, format: PictureFormat, picture: &Picture) -> io::Re
         PictureFormat::Png => PngEncoder::new(w).write_image(data, *width, *height, color),
         PictureFormat::Jpeg => {
             JpegEncoder::new_with_quality(w, JPEG_QUALITY).write_image(data, *width, *height, color)
+        }
+        PictureFormat::Tiff => {
+            // Its directory stands behind the pixels and its place before them: it is written back and forth.
+            let mut file = Cursor::new(Vec::new());
+            let written = TiffEncoder::new(&mut file).write_image(data, *width, *height, color);
+            written.and_then(|()| w.write_all(file.get_ref()).map_err(ImageError::IoError))
         }
     };
     result.map_err(|e| match e {

@@ -41,6 +41,62 @@ fn a_png_survives_with_any_number_of_channels() {
 }
 
 #[test]
+fn a_tiff_survives() {
+    for channels in [1, 3, 4] {
+        let picture = ramp(13, 5, channels);
+        let bytes = file(&picture, "a.TIFF");
+        assert!(bytes.starts_with(b"II*\0"));
+        assert_eq!(decode_picture(&bytes, Limits::default()).unwrap(), picture);
+        for end in 0..bytes.len() {
+            assert!(decode_picture(&bytes[..end], Limits::default()).is_err(), "{end}");
+        }
+        let limits = Limits { pixels: 64, ..Limits::default() };
+        let error = decode_picture(&bytes, limits).unwrap_err();
+        assert!(error.to_string().contains("is 13 × 5 pixels, the limit is 64"), "{error}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let error = write_picture(&folder.path().join("a.tif"), &ramp(2, 2, 2)).unwrap_err();
+    assert!(error.to_string().contains("has 2 channels, TIFF takes 1, 3 or 4"), "{error}");
+}
+
+/// By hand: big endian, one strip of 2 × 1 pixels of 16 bits, and of 32 bits as floats.
+#[test]
+fn tiffs_of_other_programs_are_rounded_or_refused() {
+    let tiff = |bits: u16, format: u16, samples: &[u8]| {
+        let entries: [[u32; 3]; 9] = [
+            [256, 3, 2 << 16],
+            [257, 3, 1 << 16],
+            [258, 3, u32::from(bits) << 16],
+            [259, 3, 1 << 16],
+            [262, 3, 1 << 16],
+            [273, 4, 8],
+            [278, 3, 1 << 16],
+            [279, 4, samples.len() as u32],
+            [339, 3, u32::from(format) << 16],
+        ];
+        let mut file = b"MM\0*".to_vec();
+        file.extend((8 + samples.len() as u32).to_be_bytes());
+        file.extend(samples);
+        file.extend((entries.len() as u16).to_be_bytes());
+        for [tag, kind, value] in entries {
+            file.extend((tag as u16).to_be_bytes());
+            file.extend((kind as u16).to_be_bytes());
+            file.extend(1u32.to_be_bytes());
+            file.extend(value.to_be_bytes());
+        }
+        file.extend([0; 4]);
+        file
+    };
+    let words = tiff(16, 1, &[0x80, 0x80, 0xff, 0xff]);
+    let picture = decode_picture(&words, Limits::default()).unwrap();
+    assert_eq!((picture.width, picture.height, picture.channels), (2, 1, 1));
+    assert_eq!(picture.data, [128, 255]);
+    let floats = tiff(32, 3, &[0x3f, 0x80, 0, 0, 0, 0, 0, 0]);
+    let text = problem(&floats).to_string();
+    assert!(text.starts_with("is damaged, or of a kind that is not supported"), "{text}");
+}
+
+#[test]
 fn samples_of_16_bits_are_rounded() {
     use image::codecs::png::PngEncoder;
     use image::{ExtendedColorType, ImageEncoder};
@@ -88,24 +144,24 @@ fn a_picture_is_known_by_its_content() {
     let error = read_picture(&path).unwrap_err();
     assert!(
         error.to_string().ends_with(
-            "really_a_png.jpg: is neither PNG nor JPEG: it starts with 47 49 46 38 39 61 20 61"
+            "really_a_png.jpg: is neither PNG, JPEG nor TIFF: it starts with 47 49 46 38 39 61 20 61"
         ),
         "{error}"
     );
-    assert_eq!(problem(b"").to_string(), "is neither PNG nor JPEG: it starts with nothing");
+    assert_eq!(problem(b"").to_string(), "is neither PNG, JPEG nor TIFF: it starts with nothing");
 }
 
 #[test]
 fn an_unknown_extension_is_refused_before_any_work() {
-    for name in ["out", "out.tif", "out.", "png", ".png"] {
+    for name in ["out", "out.bmp", "out.", "png", ".png"] {
         let error = PictureFormat::from_path(Path::new(name)).unwrap_err();
         assert!(matches!(error.kind(), ErrorKind::Extension { .. }), "{name}: {error}");
     }
     let folder = tempfile::tempdir().unwrap();
-    let error = write_picture(&folder.path().join("out.tif"), &ramp(2, 2, 1)).unwrap_err();
+    let error = write_picture(&folder.path().join("out.bmp"), &ramp(2, 2, 1)).unwrap_err();
     assert!(
         error.to_string().ends_with(
-            "out.tif: has the unknown extension `.tif`: name the output .png, .jpg or .jpeg"
+            "out.bmp: has the unknown extension `.bmp`: name the output .png, .jpg, .jpeg, .tif or .tiff"
         ),
         "{error}"
     );

@@ -24,7 +24,7 @@ use super::{Files, in_file, open_scene, positive, say};
     group(ArgGroup::new("what").required(true).args(["scene", "plane", "mesh"]))
 )]
 pub(crate) struct Arguments {
-    /// The photograph: PNG or JPEG
+    /// The photograph: PNG, JPEG or TIFF
     photo: PathBuf,
 
     /// The photograph's camera or scanner (JSON)
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MESH.obj")]
     mesh: Option<PathBuf>,
 
-    /// The picture to write: .svg, .png, .jpg or .jpeg
+    /// The picture to write: .svg, .png, .jpg, .jpeg, .tif or .tiff
     #[arg(short, long, value_name = "OUT", value_parser = overlay_path)]
     output: PathBuf,
 
@@ -94,7 +94,7 @@ fn overlay_path(text: &str) -> Result<PathBuf, String> {
     if is_svg(&path) || PictureFormat::from_path(&path).is_ok() {
         return Ok(path);
     }
-    Err("name the output .svg, .png, .jpg or .jpeg".into())
+    Err("name the output .svg, .png, .jpg, .jpeg, .tif or .tiff".into())
 }
 
 impl Arguments {
@@ -116,6 +116,10 @@ impl Arguments {
         let longer = f64::from(overlay.width.max(overlay.height));
         let width = self.line_width.unwrap_or_else(|| (LINE_WIDTH.0 * longer).max(LINE_WIDTH.1));
         if is_svg(&self.output) {
+            if !self.link && (bytes.starts_with(b"II*\0") || bytes.starts_with(b"MM\0*")) {
+                let reason = "a TIFF in an SVG is shown by no browser: give a PNG or JPEG, or write a picture";
+                return Err(in_file(&self.photo, reason));
+            }
             let link = self.link_address();
             let source =
                 if self.link { Photograph::Linked(&link) } else { Photograph::Embedded(&bytes) };

@@ -27,7 +27,7 @@ use super::{
     group(ArgGroup::new("scale").required(true).args(["size", "gsd"]))
 )]
 pub(crate) struct Arguments {
-    /// The photograph: PNG or JPEG
+    /// The photograph: PNG, JPEG or TIFF
     photo: PathBuf,
 
     /// The photograph's camera or scanner (JSON); its lens is taken into account
@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
     )]
     gsd: Option<f64>,
 
-    /// The picture to write: .png, .jpg or .jpeg
+    /// The picture to write: .png, .jpg, .jpeg, .tif or .tiff
     #[arg(short, long, value_name = "OUT", value_parser = picture_path)]
     output: PathBuf,
 

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "VIEW.json")]
     view: Option<PathBuf>,
 
-    /// The picture to write: .png, .jpg or .jpeg
+    /// The picture to write: .png, .jpg, .jpeg, .tif or .tiff
     #[arg(short, long, value_name = "OUT", value_parser = picture_path)]
     output: PathBuf,
 

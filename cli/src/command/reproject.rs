@@ -22,7 +22,7 @@ use super::{BorderChoice, Files, FilterChoice, in_file, picture_path, say, with_
     group(ArgGroup::new("scene").required(true).args(["plane", "dome", "mesh", "far"]))
 )]
 pub(crate) struct Arguments {
-    /// The picture: PNG or JPEG
+    /// The picture: PNG, JPEG or TIFF
     photo: PathBuf,
 
     /// The picture's camera or scanner (JSON)
@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     far: bool,
 
-    /// The picture to write: .png, .jpg or .jpeg
+    /// The picture to write: .png, .jpg, .jpeg, .tif or .tiff
     #[arg(short, long, value_name = "OUT", value_parser = picture_path)]
     output: PathBuf,
 

@@ -1,6 +1,10 @@
 //! What a picture file says about itself, read without decoding it.
 
+use std::io::Cursor;
 use std::path::Path;
+
+use image::ImageDecoder;
+use image::codecs::tiff::TiffDecoder;
 
 use crate::error::{Error, ErrorKind, PictureProblem};
 
@@ -11,10 +15,12 @@ pub enum PictureFormat {
     Png,
     /// Lossy, 1 or 3 channels.
     Jpeg,
+    /// Lossless, 1, 3 or 4 channels.
+    Tiff,
 }
 
 impl PictureFormat {
-    /// The format of an output, by its extension: `.png`, `.jpg` or `.jpeg` in any case.
+    /// The format of an output, by its extension: `.png`, `.jpg`, `.jpeg`, `.tif` or `.tiff` in any case.
     ///
     /// # Errors
     /// [`ErrorKind::Extension`] for any other, or none.
@@ -23,8 +29,11 @@ impl PictureFormat {
         match found.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("jpg" | "jpeg") => Ok(Self::Jpeg),
-            _ => Err(Error::from(ErrorKind::Extension { found, expected: ".png, .jpg or .jpeg" })
-                .in_file(path)),
+            Some("tif" | "tiff") => Ok(Self::Tiff),
+            _ => {
+                let expected = ".png, .jpg, .jpeg, .tif or .tiff";
+                Err(Error::from(ErrorKind::Extension { found, expected }).in_file(path))
+            }
         }
     }
 }
@@ -38,6 +47,8 @@ pub(super) struct Header {
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG: &[u8] = &[0xff, SOI, 0xff];
+/// Little and big endian.
+const TIFF: [&[u8]; 2] = [b"II*\0", b"MM\0*"];
 
 /// Format and size; for a JPEG also that its end is there, since its decoder paints what is missing grey.
 pub(super) fn read(bytes: &[u8]) -> Result<Header, PictureProblem> {
@@ -49,6 +60,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, PictureProblem> {
     } else if bytes.starts_with(JPEG) {
         let (width, height) = jpeg(bytes)?;
         Ok(Header { format: PictureFormat::Jpeg, width, height })
+    } else if TIFF.iter().any(|start| bytes.starts_with(start)) {
+        let decoder =
+            TiffDecoder::new(Cursor::new(bytes)).map_err(|e| super::damaged(bytes, &e))?;
+        let (width, height) = decoder.dimensions();
+        Ok(Header { format: PictureFormat::Tiff, width, height })
     } else {
         const SHOWN: usize = 8;
         let start: Vec<String> = bytes.iter().take(SHOWN).map(|b| format!("{b:02x}")).collect();
