@@ -2,11 +2,12 @@
 
 use crate::error::Error;
 
+use super::area::Words;
 use super::taps::Packed;
 
 /// A sample of a picture: `u8` (0 to 255), `u16` (0 to 65,535) or `f32` (any range).
 pub trait Sample:
-    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Into<f32> + Packed + 'static
+    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Into<f32> + Packed + Words + 'static
 {
     /// The value as a float: 0 to 255 for `u8`, 0 to 65,535 for `u16`.
     #[inline(always)]

@@ -12,6 +12,7 @@
 //!
 #![doc = include_str!("../../docs/figures/resample.svg")]
 
+mod area;
 mod block;
 mod border;
 mod filter;
@@ -22,6 +23,7 @@ mod sampler;
 mod taps;
 mod warp;
 
+pub use area::{AreaFilter, AreaSource, Footprint, Pyramid, sample_area, warp_area};
 pub use border::Border;
 pub use filter::{Cubic, Filter};
 pub use image::{ImageView, ImageViewMut, Sample};

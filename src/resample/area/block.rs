@@ -1,0 +1,487 @@
+//! Area filters over 64 neighbouring pixels at once.
+//!
+//! The stages are loops without branches that compilers turn into vector instructions; only texels are loaded one by one. Each
+//! pixel has a level of its own. Pixels whose texels are not all within their level are looked up alone, with the same
+//! formulas in the same order, so that both give the same bits.
+
+use alloc::boxed::Box;
+
+use super::filter::AreaFilter;
+use super::lookup::{Lookup, Place};
+use super::pyramid::Pyramid;
+use super::spread::{Derivatives, Ellipse, floor, integer, nearest};
+use super::texel::Group;
+use super::warp::Paint;
+use crate::mapping::FootprintBlock;
+use crate::mapping::span::BLOCK;
+use crate::numeric::vectorised;
+use crate::resample::border::Border;
+use crate::resample::image::Sample;
+use crate::resample::kernel::bilinear;
+
+/// A number for each pixel of a block.
+type Each<V> = [V; BLOCK];
+
+/// 1.5 · 2²⁰ less half a texel: sums with positions below 2¹⁹ have the unit 2⁻³² (as in `position`).
+const FIXED: f64 = 1_572_864.0 - 0.5;
+const FIXED_HIGH: u32 = 0x4138_0000;
+/// The longest side for which they serve.
+const LONGEST: usize = 524_288;
+
+/// The texel centre before a position and the fraction behind it; far outside any level for what is too large or no number.
+#[inline(always)]
+fn split(x: f64) -> (u32, f32) {
+    let bits = (x + FIXED).to_bits();
+    let fraction = ((bits as u32) >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
+    (((bits >> 32) as u32).wrapping_sub(FIXED_HIGH), fraction)
+}
+
+/// The levels of a block's pixels.
+#[repr(align(64))]
+struct Levels {
+    number: Each<u32>,
+    scale: [Each<f64>; 2],
+    start: Each<u32>,
+    /// Texels along each axis.
+    size: [Each<u32>; 2],
+    own: Each<f32>,
+}
+
+impl Levels {
+    const EMPTY: Self = Self {
+        number: [0; BLOCK],
+        scale: [[0.0; BLOCK]; 2],
+        start: [0; BLOCK],
+        size: [[0; BLOCK]; 2],
+        own: [0.0; BLOCK],
+    };
+
+    /// Looks up where the levels of these numbers are.
+    #[inline(always)]
+    fn place(&mut self, places: &[Place]) {
+        let first = self.number[0];
+        let mut other = 0;
+        for i in 0..BLOCK {
+            other |= self.number[i] ^ first;
+        }
+        if other == 0 {
+            // Neighbours mostly share a level.
+            let place = places[first as usize % places.len()];
+            for axis in 0..2 {
+                self.scale[axis] = [place.scale[axis]; BLOCK];
+                self.size[axis] = [place.size[axis] as u32; BLOCK];
+            }
+            self.start = [place.start as u32; BLOCK];
+            self.own = [place.own; BLOCK];
+            return;
+        }
+        for i in 0..BLOCK {
+            let place = &places[self.number[i] as usize % places.len()];
+            for axis in 0..2 {
+                self.scale[axis][i] = place.scale[axis];
+                self.size[axis][i] = place.size[axis] as u32;
+            }
+            self.start[i] = place.start as u32;
+            self.own[i] = place.own;
+        }
+    }
+}
+
+/// What is known of a block's pixels.
+#[repr(align(64))]
+struct Scratch {
+    position: [Each<f64>; 2],
+    derivatives: [Each<f32>; 4],
+    levels: Levels,
+    /// The share of the coarser level.
+    share: Each<f32>,
+    /// Whether all texels are within the level.
+    inside: Each<bool>,
+    /// Whether all are beyond it.
+    outside: Each<bool>,
+    fraction: [Each<f32>; 2],
+    offsets: Each<u32>,
+    below: Each<u32>,
+    group: Group,
+    lower: Group,
+    ellipse: Rows,
+    values: [Each<f32>; 4],
+    coarse: [Each<f32>; 4],
+}
+
+/// The ellipses of a block's pixels.
+#[repr(align(64))]
+struct Rows {
+    slope: Each<f32>,
+    down: Each<f32>,
+    across: Each<f32>,
+    width: Each<f32>,
+    first: Each<f32>,
+    rows: Each<i32>,
+    groups: Each<i32>,
+    /// The offset of the texel centre before the position.
+    anchor: Each<u32>,
+    /// From a row of texels to the next.
+    stride: Each<u32>,
+    /// Of the row in work: its middle, its share of r², its first texel, and that one's offset.
+    middle: Each<f32>,
+    apart: Each<f32>,
+    left: Each<f32>,
+    offset: Each<u32>,
+    total: Each<f32>,
+}
+
+const NONE: Each<f32> = [0.0; BLOCK];
+
+impl Scratch {
+    fn new() -> Box<Self> {
+        Box::new(Self {
+            position: [[0.0; BLOCK]; 2],
+            derivatives: [NONE; 4],
+            levels: Levels::EMPTY,
+            share: NONE,
+            inside: [false; BLOCK],
+            outside: [false; BLOCK],
+            fraction: [NONE; 2],
+            offsets: [0; BLOCK],
+            below: [0; BLOCK],
+            group: Group::EMPTY,
+            lower: Group::EMPTY,
+            ellipse: Rows {
+                slope: NONE,
+                down: NONE,
+                across: NONE,
+                width: NONE,
+                first: NONE,
+                rows: [0; BLOCK],
+                groups: [0; BLOCK],
+                anchor: [0; BLOCK],
+                stride: [0; BLOCK],
+                middle: NONE,
+                apart: NONE,
+                left: NONE,
+                offset: [0; BLOCK],
+                total: NONE,
+            },
+            values: [NONE; 4],
+            coarse: [NONE; 4],
+        })
+    }
+
+    #[inline(always)]
+    fn derivatives(&self, i: usize) -> Derivatives {
+        Derivatives(self.derivatives.each_ref().map(|d| d[i]))
+    }
+
+    /// Bilinear lookups of all pixels in their levels, into the values or the coarse ones.
+    ///
+    /// Pixels stay inside or outside only where they are so in every level asked.
+    #[inline(always)]
+    fn bilinear<T: Sample, const C: usize>(&mut self, samples: &[T], coarse: bool) {
+        let Self { position, levels, inside, outside, fraction, offsets, below, .. } = self;
+        for i in 0..BLOCK {
+            let [w, h] = [levels.size[0][i], levels.size[1][i]];
+            let (x, fu) = split(position[0][i] * levels.scale[0][i]);
+            let (y, fv) = split(position[1][i] * levels.scale[1][i]);
+            fraction[0][i] = fu;
+            fraction[1][i] = fv;
+            // Two texels a row and two rows.
+            inside[i] &= (x.wrapping_add(1) < w) & (x < w) & (y.wrapping_add(1) < h) & (y < h);
+            let beyond = |k: u32, n: u32| k.wrapping_add(1) > n;
+            outside[i] &= beyond(x, w) | beyond(y, h);
+            offsets[i] = y.wrapping_mul(w).wrapping_add(x).wrapping_mul(C as u32);
+            offsets[i] = offsets[i].wrapping_add(levels.start[i]);
+            below[i] = offsets[i].wrapping_add(w.wrapping_mul(C as u32));
+        }
+        self.group.load::<T, C, 2>(samples, &self.offsets);
+        self.lower.load::<T, C, 2>(samples, &self.below);
+        let to = if coarse { &mut self.coarse } else { &mut self.values };
+        let (upper, lower) = (&self.group, &self.lower);
+        for k in 0..C {
+            for i in 0..BLOCK {
+                let tap = |group: &Group, t| group.sample::<T, C>(t, k, i);
+                let taps = [tap(upper, 0), tap(upper, 1), tap(lower, 0), tap(lower, 1)];
+                to[k][i] = bilinear(taps, self.fraction[0][i], self.fraction[1][i]);
+            }
+        }
+    }
+}
+
+/// A pyramid that rows of pixels are looked up in.
+pub(super) struct PyramidPainter<'a, T, const C: usize> {
+    single: Lookup<'a, T, C>,
+    scratch: Box<Scratch>,
+    /// Whether blocks can be counted in 32 bits.
+    blocks: bool,
+}
+
+impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
+    /// `None` for a pyramid without levels.
+    pub(super) fn new(
+        pyramid: &'a Pyramid<T, C>,
+        filter: AreaFilter,
+        border: Border,
+    ) -> Option<Self> {
+        let single = Lookup::new(pyramid, filter, border)?;
+        let [w, h] = single.places[0].size;
+        let countable = u32::try_from(single.samples.len()).is_ok();
+        let blocks = countable && (w.max(h) as usize) < LONGEST;
+        Some(Self { single, scratch: Scratch::new(), blocks })
+    }
+
+    #[inline(always)]
+    fn paint_block(&mut self, block: &FootprintBlock<'_>, pixels: &mut [T]) {
+        let count = block.u.len();
+        let scratch = &mut *self.scratch;
+        let [us, vs] = block.by_sample;
+        let [ul, vl] = block.by_line;
+        for (to, from) in scratch.position.iter_mut().zip([block.u, block.v]) {
+            *to = filled(from);
+        }
+        let [us, vs, ul, vl] = [us, vs, ul, vl].map(filled);
+        for i in 0..BLOCK {
+            let Derivatives(d) = Derivatives::new([us[i], vs[i], ul[i], vl[i]]);
+            for k in 0..4 {
+                scratch.derivatives[k][i] = d[k];
+            }
+        }
+        scratch.inside = [true; BLOCK];
+        scratch.outside = [true; BLOCK];
+        match self.single.filter {
+            AreaFilter::NearestLevel | AreaFilter::Trilinear => self.weigh_levels(),
+            AreaFilter::Ewa { .. } => self.weigh_ellipses(),
+        }
+        self.store(count, pixels);
+        self.mend(block, pixels);
+    }
+
+    /// Bilinear in one level or in two.
+    #[inline(always)]
+    fn weigh_levels(&mut self) {
+        let Self { single, scratch, .. } = self;
+        let linear = single.filter == AreaFilter::Trilinear;
+        for i in 0..BLOCK {
+            let detail = single.level_of_detail(scratch.derivatives(i));
+            let level = if linear { floor(detail) } else { nearest(detail) };
+            scratch.levels.number[i] = integer(level) as u32;
+            scratch.share[i] = detail - level;
+        }
+        scratch.levels.place(&single.places);
+        scratch.bilinear::<T, C>(single.samples, false);
+        if !linear {
+            return;
+        }
+        let last = single.places.len() as u32 - 1;
+        for number in &mut scratch.levels.number {
+            *number = (*number + 1).min(last);
+        }
+        scratch.levels.place(&single.places);
+        scratch.bilinear::<T, C>(single.samples, true);
+        for k in 0..C {
+            for i in 0..BLOCK {
+                let (fine, coarse) = (scratch.values[k][i], scratch.coarse[k][i]);
+                scratch.values[k][i] = fine + scratch.share[i] * (coarse - fine);
+            }
+        }
+    }
+
+    /// Averages over ellipses.
+    #[inline(always)]
+    fn weigh_ellipses(&mut self) {
+        let Self { single, scratch, .. } = self;
+        for i in 0..BLOCK {
+            let level = single.limits.level(scratch.derivatives(i));
+            scratch.levels.number[i] = integer(floor(single.within(level))) as u32;
+        }
+        scratch.levels.place(&single.places);
+        for i in 0..BLOCK {
+            let levels = &scratch.levels;
+            let [su, sv] = [levels.scale[0][i], levels.scale[1][i]];
+            let ellipse = Ellipse::new(
+                scratch.derivatives(i),
+                [su as f32, sv as f32],
+                levels.own[i],
+                &single.limits,
+            );
+            let (x, fu) = split(scratch.position[0][i] * su);
+            let (y, fv) = split(scratch.position[1][i] * sv);
+            let rows = &mut scratch.ellipse;
+            let first = nearest(fv - ellipse.height + 0.5);
+            let last = nearest(fv + ellipse.height - 0.5);
+            // A texel more on either side than `Lookup::ewa` has.
+            let reach = ellipse.reach();
+            let (left, right) = (integer(fu - reach) - 1, integer(fu + reach) + 1);
+            let (top, bottom) =
+                (integer(fv - ellipse.height) - 1, integer(fv + ellipse.height) + 1);
+            let [w, h] = [levels.size[0][i] as i32, levels.size[1][i] as i32];
+            let (x, y) = (x as i32, y as i32);
+            // Positions that cannot be split are far from any texel, and sums with them may wrap.
+            let known = (x.unsigned_abs() < LONGEST as u32) & (y.unsigned_abs() < LONGEST as u32);
+            let [x_left, x_right] = [x.wrapping_add(left), x.wrapping_add(right)];
+            let [y_top, y_bottom] = [y.wrapping_add(top), y.wrapping_add(bottom)];
+            scratch.inside[i] =
+                known & (x_left >= 0) & (x_right < w) & (y_top >= 0) & (y_bottom < h);
+            scratch.outside[i] =
+                known & ((x_right < 0) | (x_left >= w) | (y_bottom < 0) | (y_top >= h));
+            rows.slope[i] = ellipse.slope;
+            rows.down[i] = ellipse.down;
+            rows.across[i] = ellipse.across;
+            rows.width[i] = ellipse.width;
+            rows.first[i] = first;
+            // Pixels that are looked up alone take no rows here.
+            let inside = i32::from(scratch.inside[i]);
+            rows.rows[i] = (integer(last) - integer(first) + 1) * inside;
+            rows.groups[i] = ellipse.groups() * inside;
+            let stride = (w as u32).wrapping_mul(C as u32);
+            let at =
+                (y as u32).wrapping_mul(stride).wrapping_add((x as u32).wrapping_mul(C as u32));
+            rows.anchor[i] = at.wrapping_add(levels.start[i]);
+            rows.stride[i] = stride;
+            scratch.fraction[0][i] = fu;
+            scratch.fraction[1][i] = fv;
+            rows.total[i] = 0.0;
+        }
+        scratch.values = [NONE; 4];
+        let (mut most_rows, mut most_groups) = (0, 0);
+        for i in 0..BLOCK {
+            most_rows = most_rows.max(scratch.ellipse.rows[i]);
+            most_groups = most_groups.max(scratch.ellipse.groups[i]);
+        }
+        let limit = single.samples.len().saturating_sub(Group::reach::<T, C, 4>()) as u32;
+        for row in 0..most_rows {
+            let Scratch { fraction, ellipse, .. } = &mut **scratch;
+            for i in 0..BLOCK {
+                let line = ellipse.first[i] + row as f32;
+                let dy = line - fraction[1][i];
+                ellipse.middle[i] = fraction[0][i] + ellipse.slope[i] * dy;
+                ellipse.apart[i] = dy * dy * ellipse.down[i];
+                ellipse.left[i] = nearest(ellipse.middle[i] - ellipse.width[i] + 0.5);
+                let down = (integer(line) as u32).wrapping_mul(ellipse.stride[i]);
+                let right = (integer(ellipse.left[i]) as u32).wrapping_mul(C as u32);
+                ellipse.offset[i] = ellipse.anchor[i].wrapping_add(down).wrapping_add(right);
+            }
+            for group in 0..most_groups {
+                let Scratch { ellipse, offsets, .. } = &mut **scratch;
+                for i in 0..BLOCK {
+                    let offset = ellipse.offset[i].wrapping_add(group as u32 * 4 * C as u32);
+                    // Only what has no weight lies beyond.
+                    offsets[i] = offset.min(limit);
+                }
+                scratch.group.load::<T, C, 4>(single.samples, &scratch.offsets);
+                scratch.add_group::<T, C>(row, group);
+            }
+        }
+        for k in 0..C {
+            for i in 0..BLOCK {
+                scratch.values[k][i] /= scratch.ellipse.total[i];
+            }
+        }
+    }
+
+    /// The values to the pixels.
+    #[inline(always)]
+    fn store(&self, count: usize, pixels: &mut [T]) {
+        let (pixels, _) = pixels.as_chunks_mut::<C>();
+        for (i, pixel) in pixels.iter_mut().enumerate().take(count.min(BLOCK)) {
+            if self.scratch.inside[i] {
+                for k in 0..C {
+                    pixel[k] = T::from_f32(self.scratch.values[k][i]);
+                }
+            }
+        }
+    }
+
+    /// Pixels not all of whose texels are within their levels.
+    #[inline(never)]
+    fn mend(&self, block: &FootprintBlock<'_>, pixels: &mut [T]) {
+        let Scratch { inside, outside, .. } = &*self.scratch;
+        let constant = matches!(self.single.border, Border::Constant(_));
+        for (i, pixel) in pixels.chunks_exact_mut(C).enumerate().take(block.u.len()) {
+            if inside[i] && self.single.border != Border::Transparent {
+                continue;
+            }
+            if constant && outside[i] {
+                pixel.copy_from_slice(&self.single.constant);
+            } else if !inside[i] {
+                let derivatives = self.scratch.derivatives(i);
+                match self.single.at(block.u[i], block.v[i], derivatives) {
+                    Some(value) => pixel.copy_from_slice(&value),
+                    None if constant => pixel.copy_from_slice(&self.single.constant),
+                    None => {}
+                }
+            }
+        }
+    }
+}
+
+impl Scratch {
+    /// Adds a group of four texels a pixel, weighed.
+    #[inline(always)]
+    fn add_group<T: Sample, const C: usize>(&mut self, row: i32, group: i32) {
+        let Self { ellipse, values, group: texels, .. } = self;
+        for i in 0..BLOCK {
+            let there = (row < ellipse.rows[i]) & (group < ellipse.groups[i]);
+            let mut total = ellipse.total[i];
+            let mut sums = [0.0; C];
+            for k in 0..C {
+                sums[k] = values[k][i];
+            }
+            for t in 0..4 {
+                let dx = ellipse.left[i] + (4 * group + t as i32) as f32 - ellipse.middle[i];
+                let near = 1.0 - (ellipse.apart[i] + dx * dx * ellipse.across[i]);
+                let counts = there & (near > 0.0);
+                let weight = if counts { near * near } else { 0.0 };
+                total += weight;
+                for k in 0..C {
+                    let sum = sums[k] + weight * texels.sample::<T, C>(t, k, i);
+                    // Floats may be infinite where they have no weight.
+                    sums[k] = if T::IN_WORD == 1 && !counts { sums[k] } else { sum };
+                }
+            }
+            ellipse.total[i] = total;
+            for k in 0..C {
+                values[k][i] = sums[k];
+            }
+        }
+    }
+}
+
+impl<T: Sample, const C: usize> Paint<T> for PyramidPainter<'_, T, C> {
+    fn paint(&mut self, block: &FootprintBlock<'_>, pixels: &mut [T]) {
+        if self.blocks {
+            vectorised(
+                #[inline(always)]
+                || self.paint_block(block, pixels),
+            );
+            return;
+        }
+        self.scratch.inside = [false; BLOCK];
+        self.scratch.outside = [false; BLOCK];
+        for (i, pixel) in pixels.chunks_exact_mut(C).enumerate().take(block.u.len()) {
+            let [us, vs] = block.by_sample.map(|d| d[i]);
+            let [ul, vl] = block.by_line.map(|d| d[i]);
+            let derivatives = Derivatives::new([us, vs, ul, vl]);
+            match self.single.at(block.u[i], block.v[i], derivatives) {
+                Some(value) => pixel.copy_from_slice(&value),
+                None => self.fill(pixel),
+            }
+        }
+    }
+
+    fn fill(&self, pixels: &mut [T]) {
+        if let Border::Constant(_) = self.single.border {
+            pixels.as_chunks_mut::<C>().0.fill(self.single.constant);
+        }
+    }
+}
+
+/// All of a block, where those beyond the end repeat the last one.
+#[inline(always)]
+fn filled(part: &[f64]) -> Each<f64> {
+    if let Some(all) = part.first_chunk() {
+        return *all;
+    }
+    let mut all = [part.last().copied().unwrap_or(f64::NAN); BLOCK];
+    all[..part.len()].copy_from_slice(part);
+    all
+}
