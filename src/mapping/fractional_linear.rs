@@ -410,16 +410,15 @@ impl Map for FractionalLinear {
                     valid,
                     #[inline(always)]
                     |x, [u, v, inverse]| {
-                        let n = u.len().min(v.len()).min(inverse.len()).min(BLOCK);
-                        let (u, v, inverse) = (&u[..n], &v[..n], &inverse[..n]);
                         let mut by = [[0.0; BLOCK]; 4];
-                        let forms = [(u, p, 1), (v, q, 1), (u, p, 2), (v, q, 2)];
-                        for (by, (at, form, k)) in by.iter_mut().zip(forms) {
-                            for i in 0..n {
-                                by[i] = (form[k] - at[i] * r[k]) * inverse[i];
+                        let forms =
+                            [(u, p[1], r[1]), (v, q[1], r[1]), (u, p[2], r[2]), (v, q[2], r[2])];
+                        for (by, (at, numerator, denominator)) in by.iter_mut().zip(forms) {
+                            for (by, (at, inverse)) in by.iter_mut().zip(at.iter().zip(inverse)) {
+                                *by = (numerator - at * denominator) * inverse;
                             }
                         }
-                        let [us, vs, ul, vl] = by.each_ref().map(|by| &by[..n]);
+                        let [us, vs, ul, vl] = by.each_ref().map(|by| &by[..u.len()]);
                         let (by_sample, by_line) = ([us, vs], [ul, vl]);
                         emit(&FootprintBlock { x, u, v, by_sample, by_line });
                     },

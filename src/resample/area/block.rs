@@ -95,10 +95,10 @@ struct Scratch {
     levels: Levels,
     /// The share of the coarser level.
     share: Each<f32>,
-    /// Whether all texels are within the level.
-    inside: Each<bool>,
-    /// Whether all are beyond it.
-    outside: Each<bool>,
+    /// One where all texels are within the level, zero elsewhere.
+    inside: Each<u32>,
+    /// One where all are beyond it.
+    outside: Each<u32>,
     fraction: [Each<f32>; 2],
     offsets: Each<u32>,
     below: Each<u32>,
@@ -140,8 +140,8 @@ impl Scratch {
             derivatives: [NONE; 4],
             levels: Levels::EMPTY,
             share: NONE,
-            inside: [false; BLOCK],
-            outside: [false; BLOCK],
+            inside: [0; BLOCK],
+            outside: [0; BLOCK],
             fraction: [NONE; 2],
             offsets: [0; BLOCK],
             below: [0; BLOCK],
@@ -186,9 +186,10 @@ impl Scratch {
             fraction[0][i] = fu;
             fraction[1][i] = fv;
             // Two texels a row and two rows.
-            inside[i] &= (x.wrapping_add(1) < w) & (x < w) & (y.wrapping_add(1) < h) & (y < h);
-            let beyond = |k: u32, n: u32| k.wrapping_add(1) > n;
-            outside[i] &= beyond(x, w) | beyond(y, h);
+            let within = (x.wrapping_add(1) < w) & (x < w) & (y.wrapping_add(1) < h) & (y < h);
+            inside[i] &= u32::from(within);
+            let beyond = (x.wrapping_add(1) > w) | (y.wrapping_add(1) > h);
+            outside[i] &= u32::from(beyond);
             offsets[i] = y.wrapping_mul(w).wrapping_add(x).wrapping_mul(C as u32);
             offsets[i] = offsets[i].wrapping_add(levels.start[i]);
             below[i] = offsets[i].wrapping_add(w.wrapping_mul(C as u32));
@@ -245,8 +246,8 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
                 scratch.derivatives[k][i] = d[k];
             }
         }
-        scratch.inside = [true; BLOCK];
-        scratch.outside = [true; BLOCK];
+        scratch.inside = [1; BLOCK];
+        scratch.outside = [1; BLOCK];
         match self.single.filter {
             AreaFilter::NearestLevel | AreaFilter::Trilinear => self.weigh_levels(),
             AreaFilter::Ewa { .. } => self.weigh_ellipses(),
@@ -260,12 +261,22 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
     fn weigh_levels(&mut self) {
         let Self { single, scratch, .. } = self;
         let linear = single.filter == AreaFilter::Trilinear;
-        for i in 0..BLOCK {
-            let detail = single.level_of_detail(scratch.derivatives(i));
-            let level = if linear { floor(detail) } else { nearest(detail) };
-            scratch.levels.number[i] = integer(level) as u32;
-            scratch.share[i] = detail - level;
+        // A copy, which stays in registers.
+        let limits = single.limits;
+        let (mut number, mut shares) = ([0; BLOCK], NONE);
+        if linear {
+            for i in 0..BLOCK {
+                let (level, share) = limits.between(scratch.derivatives(i));
+                number[i] = integer(level) as u32;
+                shares[i] = share;
+            }
+        } else {
+            for i in 0..BLOCK {
+                number[i] = integer(limits.level_of_detail(scratch.derivatives(i))) as u32;
+            }
         }
+        scratch.levels.number = number;
+        scratch.share = shares;
         scratch.levels.place(&single.places);
         scratch.bilinear::<T, C>(single.samples, false);
         if !linear {
@@ -289,10 +300,12 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
     #[inline(always)]
     fn weigh_ellipses(&mut self) {
         let Self { single, scratch, .. } = self;
+        let limits = single.limits;
+        let mut number = [0; BLOCK];
         for i in 0..BLOCK {
-            let level = single.limits.level(scratch.derivatives(i));
-            scratch.levels.number[i] = integer(floor(single.within(level))) as u32;
+            number[i] = integer(floor(limits.level(scratch.derivatives(i)))) as u32;
         }
+        scratch.levels.number = number;
         scratch.levels.place(&single.places);
         for i in 0..BLOCK {
             let levels = &scratch.levels;
@@ -301,7 +314,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
                 scratch.derivatives(i),
                 [su as f32, sv as f32],
                 levels.own[i],
-                &single.limits,
+                &limits,
             );
             let (x, fu) = split(scratch.position[0][i] * su);
             let (y, fv) = split(scratch.position[1][i] * sv);
@@ -319,17 +332,17 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
             let known = (x.unsigned_abs() < LONGEST as u32) & (y.unsigned_abs() < LONGEST as u32);
             let [x_left, x_right] = [x.wrapping_add(left), x.wrapping_add(right)];
             let [y_top, y_bottom] = [y.wrapping_add(top), y.wrapping_add(bottom)];
-            scratch.inside[i] =
-                known & (x_left >= 0) & (x_right < w) & (y_top >= 0) & (y_bottom < h);
-            scratch.outside[i] =
-                known & ((x_right < 0) | (x_left >= w) | (y_bottom < 0) | (y_top >= h));
+            let within = known & (x_left >= 0) & (x_right < w) & (y_top >= 0) & (y_bottom < h);
+            let beyond = (x_right < 0) | (x_left >= w) | (y_bottom < 0) | (y_top >= h);
+            scratch.inside[i] = u32::from(within);
+            scratch.outside[i] = u32::from(known & beyond);
             rows.slope[i] = ellipse.slope;
             rows.down[i] = ellipse.down;
             rows.across[i] = ellipse.across;
             rows.width[i] = ellipse.width;
             rows.first[i] = first;
             // Pixels that are looked up alone take no rows here.
-            let inside = i32::from(scratch.inside[i]);
+            let inside = scratch.inside[i] as i32;
             rows.rows[i] = (integer(last) - integer(first) + 1) * inside;
             rows.groups[i] = ellipse.groups() * inside;
             let stride = (w as u32).wrapping_mul(C as u32);
@@ -381,11 +394,31 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
     /// The values to the pixels.
     #[inline(always)]
     fn store(&self, count: usize, pixels: &mut [T]) {
+        let Scratch { inside, values, .. } = &*self.scratch;
+        let mut all = 1;
+        for within in inside {
+            all &= within;
+        }
+        let mut samples = [[T::default(); BLOCK]; C];
+        for (samples, values) in samples.iter_mut().zip(values) {
+            for i in 0..BLOCK {
+                samples[i] = T::from_f32(values[i]);
+            }
+        }
         let (pixels, _) = pixels.as_chunks_mut::<C>();
-        for (i, pixel) in pixels.iter_mut().enumerate().take(count.min(BLOCK)) {
-            if self.scratch.inside[i] {
-                for k in 0..C {
-                    pixel[k] = T::from_f32(self.scratch.values[k][i]);
+        match pixels.first_chunk_mut::<BLOCK>() {
+            Some(pixels) if all == 1 => {
+                for i in 0..BLOCK {
+                    for k in 0..C {
+                        pixels[i][k] = samples[k][i];
+                    }
+                }
+            }
+            _ => {
+                for (i, pixel) in pixels.iter_mut().enumerate().take(count.min(BLOCK)) {
+                    if inside[i] == 1 {
+                        *pixel = core::array::from_fn(|k| samples[k][i]);
+                    }
                 }
             }
         }
@@ -395,14 +428,21 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
     #[inline(never)]
     fn mend(&self, block: &FootprintBlock<'_>, pixels: &mut [T]) {
         let Scratch { inside, outside, .. } = &*self.scratch;
+        let mut all = 1;
+        for within in inside {
+            all &= within;
+        }
+        if all == 1 {
+            return;
+        }
         let constant = matches!(self.single.border, Border::Constant(_));
         for (i, pixel) in pixels.chunks_exact_mut(C).enumerate().take(block.u.len()) {
-            if inside[i] && self.single.border != Border::Transparent {
+            if inside[i] == 1 {
                 continue;
             }
-            if constant && outside[i] {
+            if constant && outside[i] == 1 {
                 pixel.copy_from_slice(&self.single.constant);
-            } else if !inside[i] {
+            } else {
                 let derivatives = self.scratch.derivatives(i);
                 match self.single.at(block.u[i], block.v[i], derivatives) {
                     Some(value) => pixel.copy_from_slice(&value),
@@ -433,9 +473,10 @@ impl Scratch {
                 let weight = if counts { near * near } else { 0.0 };
                 total += weight;
                 for k in 0..C {
-                    let sum = sums[k] + weight * texels.sample::<T, C>(t, k, i);
                     // Floats may be infinite where they have no weight.
-                    sums[k] = if T::IN_WORD == 1 && !counts { sums[k] } else { sum };
+                    let texel = texels.sample::<T, C>(t, k, i);
+                    let texel = if T::IN_WORD == 1 && !counts { 0.0 } else { texel };
+                    sums[k] += weight * texel;
                 }
             }
             ellipse.total[i] = total;
@@ -455,8 +496,6 @@ impl<T: Sample, const C: usize> Paint<T> for PyramidPainter<'_, T, C> {
             );
             return;
         }
-        self.scratch.inside = [false; BLOCK];
-        self.scratch.outside = [false; BLOCK];
         for (i, pixel) in pixels.chunks_exact_mut(C).enumerate().take(block.u.len()) {
             let [us, vs] = block.by_sample.map(|d| d[i]);
             let [ul, vl] = block.by_line.map(|d| d[i]);

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Point2};
 
 use super::filter::AreaFilter;
 use super::pyramid::Pyramid;
-use super::spread::{Derivatives, Ellipse, Limits, floor, integer, log2, nearest};
+use super::spread::{Derivatives, Ellipse, Limits, floor, integer, nearest};
 use crate::mapping::RowCoords;
 use crate::resample::border::Border;
 use crate::resample::image::Sample;
@@ -120,7 +120,7 @@ impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
             border,
             constant: border.constant(),
             filter,
-            limits: Limits::new(anisotropy, pyramid.ratio()),
+            limits: Limits::new(anisotropy, pyramid.ratio(), levels.len()),
         })
     }
 
@@ -138,13 +138,12 @@ impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
         }
         let value = match self.filter {
             AreaFilter::NearestLevel => {
-                let level = nearest(self.level_of_detail(derivatives)) as usize;
+                let level = self.limits.level_of_detail(derivatives) as usize;
                 self.bilinear(level, u, v)
             }
             AreaFilter::Trilinear => {
-                let detail = self.level_of_detail(derivatives);
-                let whole = floor(detail);
-                let (level, share) = (whole as usize, detail - whole);
+                let (whole, share) = self.limits.between(derivatives);
+                let level = whole as usize;
                 let next = (level + 1).min(self.places.len() - 1);
                 let (fine, coarse) = (self.bilinear(level, u, v), self.bilinear(next, u, v));
                 core::array::from_fn(|k| fine[k] + share * (coarse[k] - fine[k]))
@@ -152,23 +151,6 @@ impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
             AreaFilter::Ewa { .. } => self.ewa(u, v, derivatives),
         };
         Some(value.map(T::from_f32))
-    }
-
-    /// λ within the levels there are.
-    #[inline(always)]
-    pub(super) fn level_of_detail(&self, derivatives: Derivatives) -> f32 {
-        let squared = derivatives.longest_squared();
-        // Below one the picture is magnified.
-        let squared = if squared > 1.0 { squared } else { 1.0 };
-        self.within(self.limits.half_levels() * log2(squared))
-    }
-
-    /// A level within those there are.
-    #[inline(always)]
-    pub(super) fn within(&self, level: f32) -> f32 {
-        let last = (self.places.len() - 1) as f32;
-        let level = if level < last { level } else { last };
-        if level > 0.0 { level } else { 0.0 }
     }
 
     fn texel(&self, place: &Place, i: i32, j: i32) -> [f32; C] {
@@ -192,7 +174,7 @@ impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
     }
 
     fn ewa(&self, u: f64, v: f64, derivatives: Derivatives) -> [f32; C] {
-        let level = self.within(self.limits.level(derivatives)) as usize;
+        let level = floor(self.limits.level(derivatives)) as usize;
         let place = &self.places[level];
         let scale = place.scale.map(|s| s as f32);
         let ellipse = Ellipse::new(derivatives, scale, place.own, &self.limits);

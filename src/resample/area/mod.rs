@@ -11,5 +11,5 @@ mod warp;
 pub use filter::AreaFilter;
 pub use lookup::Footprint;
 pub use pyramid::Pyramid;
-pub use texel::Words;
+pub(super) use texel::Words;
 pub use warp::{AreaSource, sample_area, warp_area};

@@ -36,10 +36,11 @@ impl Derivatives {
         (spread, determinant * determinant)
     }
 
-    /// The square of the longest half axis of the ellipse that a pixel's unit circle becomes.
+    /// The square of the texel whose bilinear lookup has the variance of the pixel's square along its longest axis: ρ²/3.
     #[inline(always)]
-    pub(super) fn longest_squared(self) -> f32 {
-        self.square().0.largest().0
+    pub(super) fn texel_squared(self) -> f32 {
+        // A texel's own variance and that of the hat between texels: 1/12 + 1/6.
+        self.square().0.largest().0 * (PIXEL / (PIXEL + 1.0 / 6.0))
     }
 }
 
@@ -82,6 +83,20 @@ pub(super) fn log2(x: f32) -> f32 {
     exponent as f32 + m * series
 }
 
+/// 2ˣ for |x| ≤ 120, to 4·10⁻⁷ of it; exact for whole numbers.
+#[inline(always)]
+pub(super) fn exp2(x: f32) -> f32 {
+    let whole = floor(x);
+    let f = x - whole;
+    // (2ᶠ − 1)/f, which is 1 at f = 1.
+    let series = 0.001_896_85;
+    let series = series * f + 0.008_947_751;
+    let series = series * f + 0.055_855_296;
+    let series = series * f + 0.240_147_12;
+    let series = series * f + 0.693_152_98;
+    f32::from_bits(((integer(whole) + 127) as u32) << 23) * (1.0 + f * series)
+}
+
 /// 1.5 · 2²³: sums with small numbers are whole.
 const WHOLE: f32 = 12_582_912.0;
 
@@ -113,10 +128,14 @@ pub(super) struct Limits {
     most: [f32; 2],
     /// ½ / log₂ r.
     half_levels: f32,
+    /// 1/(r − 1).
+    by_step: f32,
+    /// The last level.
+    last: f32,
 }
 
 impl Limits {
-    pub(super) fn new(anisotropy: f32, ratio: f64) -> Self {
+    pub(super) fn new(anisotropy: f32, ratio: f64, levels: usize) -> Self {
         let anisotropy = anisotropy.max(1.0);
         // Where there is a next level it would be taken at r²(¼ + ¹⁄₁₂).
         let most = (0.5 * ratio * ratio) as f32;
@@ -124,16 +143,50 @@ impl Limits {
             shape: 1.0 / (anisotropy * anisotropy),
             most: [most, most * anisotropy * anisotropy],
             half_levels: (0.5 / ratio.log2()) as f32,
+            by_step: (1.0 / (ratio - 1.0)) as f32,
+            last: levels.saturating_sub(1) as f32,
         }
     }
 
-    /// ½ / log₂ r: from the logarithm of a square to levels.
+    /// A level within those there are.
     #[inline(always)]
-    pub(super) fn half_levels(&self) -> f32 {
-        self.half_levels
+    fn within(&self, level: f32) -> f32 {
+        let level = if level < self.last { level } else { self.last };
+        if level > 0.0 { level } else { 0.0 }
     }
 
-    /// The level that an ellipse is looked up in, before its end is minded: the coarsest whose texels it still
+    /// The level of detail: logᵣ of the texel to look up, within the levels there are.
+    #[inline(always)]
+    fn detail(&self, squared: f32) -> f32 {
+        let squared = if squared > TINY { squared } else { TINY };
+        self.within(self.half_levels * log2(squared))
+    }
+
+    /// The level nearest to the level of detail.
+    #[inline(always)]
+    pub(super) fn level_of_detail(&self, derivatives: Derivatives) -> f32 {
+        nearest(self.detail(derivatives.texel_squared()))
+    }
+
+    /// The level below the texel s to look up, and the share of the next one: (s/rᵏ − 1)/(r − 1), so that the mean of both
+    /// texels is s.
+    #[inline(always)]
+    pub(super) fn between(&self, derivatives: Derivatives) -> (f32, f32) {
+        let squared = derivatives.texel_squared();
+        let level = floor(self.detail(squared));
+        (level, self.share(squared, level))
+    }
+
+    /// (ρ/rᵏ − 1)/(r − 1) within 0 and 1, for ρ² and k.
+    #[inline(always)]
+    fn share(&self, squared: f32, level: f32) -> f32 {
+        let texel = exp2(-level / (2.0 * self.half_levels));
+        let share = (squared.sqrt() * texel - 1.0) * self.by_step;
+        let share = if share > 0.0 { share } else { 0.0 };
+        if share < 1.0 { share } else { 1.0 }
+    }
+
+    /// The level that an ellipse is looked up in, before it is made whole: the coarsest whose texels it still
     /// resolves along its shorter axis, or along the one it is widened to.
     #[inline(always)]
     pub(super) fn level(&self, derivatives: Derivatives) -> f32 {
@@ -144,7 +197,7 @@ impl Limits {
         let smallest = PIXEL * if smallest > widened { smallest } else { widened };
         // A texel's own spread is 1/12 of its square, and the weights' at least ¼.
         let texels = smallest / (LEAST + PIXEL);
-        self.half_levels * log2(if texels > TINY { texels } else { TINY })
+        self.detail(texels)
     }
 }
 
