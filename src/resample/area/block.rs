@@ -307,53 +307,69 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         }
         scratch.levels.number = number;
         scratch.levels.place(&single.places);
+        let mut shape = [NONE; 5];
         for i in 0..BLOCK {
             let levels = &scratch.levels;
-            let [su, sv] = [levels.scale[0][i], levels.scale[1][i]];
-            let ellipse = Ellipse::new(
-                scratch.derivatives(i),
-                [su as f32, sv as f32],
-                levels.own[i],
-                &limits,
-            );
-            let (x, fu) = split(scratch.position[0][i] * su);
-            let (y, fv) = split(scratch.position[1][i] * sv);
-            let rows = &mut scratch.ellipse;
-            let first = nearest(fv - ellipse.height + 0.5);
-            let last = nearest(fv + ellipse.height - 0.5);
+            let scale = [levels.scale[0][i] as f32, levels.scale[1][i] as f32];
+            let ellipse = Ellipse::new(scratch.derivatives(i), scale, levels.own[i], &limits);
+            let Ellipse { slope, down, across, height, width } = ellipse;
+            shape[0][i] = slope;
+            shape[1][i] = down;
+            shape[2][i] = across;
+            shape[3][i] = height;
+            shape[4][i] = width;
+        }
+        let [slopes, downs, acrosses, heights, widths] = shape;
+        let (mut corner, mut fractions) = ([[0; BLOCK]; 2], [NONE; 2]);
+        for axis in 0..2 {
+            for i in 0..BLOCK {
+                let at = scratch.position[axis][i] * scratch.levels.scale[axis][i];
+                let (whole, fraction) = split(at);
+                corner[axis][i] = whole as i32;
+                fractions[axis][i] = fraction;
+            }
+        }
+        let (mut inside, mut outside) = ([0; BLOCK], [0; BLOCK]);
+        let (mut firsts, mut counts, mut groups) = (NONE, [0; BLOCK], [0; BLOCK]);
+        for i in 0..BLOCK {
+            let [height, width] = [heights[i], widths[i]];
+            let ellipse =
+                Ellipse { slope: slopes[i], down: downs[i], across: acrosses[i], height, width };
+            let [fu, fv] = [fractions[0][i], fractions[1][i]];
             // A texel more on either side than `Lookup::ewa` has.
             let reach = ellipse.reach();
             let (left, right) = (integer(fu - reach) - 1, integer(fu + reach) + 1);
-            let (top, bottom) =
-                (integer(fv - ellipse.height) - 1, integer(fv + ellipse.height) + 1);
-            let [w, h] = [levels.size[0][i] as i32, levels.size[1][i] as i32];
-            let (x, y) = (x as i32, y as i32);
+            let (top, bottom) = (integer(fv - height) - 1, integer(fv + height) + 1);
+            let [w, h] = scratch.levels.size.each_ref().map(|n| n[i] as i32);
+            let (x, y) = (corner[0][i], corner[1][i]);
             // Positions that cannot be split are far from any texel, and sums with them may wrap.
-            let known = (x.unsigned_abs() < LONGEST as u32) & (y.unsigned_abs() < LONGEST as u32);
+            let near = |k: i32| k.wrapping_add(LONGEST as i32) as u32 <= 2 * LONGEST as u32;
+            let known = near(x) & near(y);
             let [x_left, x_right] = [x.wrapping_add(left), x.wrapping_add(right)];
             let [y_top, y_bottom] = [y.wrapping_add(top), y.wrapping_add(bottom)];
             let within = known & (x_left >= 0) & (x_right < w) & (y_top >= 0) & (y_bottom < h);
             let beyond = (x_right < 0) | (x_left >= w) | (y_bottom < 0) | (y_top >= h);
-            scratch.inside[i] = u32::from(within);
-            scratch.outside[i] = u32::from(known & beyond);
-            rows.slope[i] = ellipse.slope;
-            rows.down[i] = ellipse.down;
-            rows.across[i] = ellipse.across;
-            rows.width[i] = ellipse.width;
-            rows.first[i] = first;
+            inside[i] = u32::from(within);
+            outside[i] = u32::from(known & beyond);
+            let first = nearest(fv - height + 0.5);
             // Pixels that are looked up alone take no rows here.
-            let inside = scratch.inside[i] as i32;
-            rows.rows[i] = (integer(last) - integer(first) + 1) * inside;
-            rows.groups[i] = ellipse.groups() * inside;
-            let stride = (w as u32).wrapping_mul(C as u32);
-            let at =
-                (y as u32).wrapping_mul(stride).wrapping_add((x as u32).wrapping_mul(C as u32));
-            rows.anchor[i] = at.wrapping_add(levels.start[i]);
-            rows.stride[i] = stride;
-            scratch.fraction[0][i] = fu;
-            scratch.fraction[1][i] = fv;
-            rows.total[i] = 0.0;
+            let mask = -i32::from(within);
+            firsts[i] = first;
+            counts[i] = (integer(fv + height - 0.5) - integer(first) + 1) & mask;
+            groups[i] = ellipse.groups() & mask;
         }
+        let (mut strides, mut anchors) = ([0; BLOCK], [0; BLOCK]);
+        for i in 0..BLOCK {
+            strides[i] = scratch.levels.size[0][i].wrapping_mul(C as u32);
+            let down = (corner[1][i] as u32).wrapping_mul(strides[i]);
+            let right = (corner[0][i] as u32).wrapping_mul(C as u32);
+            anchors[i] = scratch.levels.start[i].wrapping_add(down).wrapping_add(right);
+        }
+        (scratch.inside, scratch.outside, scratch.fraction) = (inside, outside, fractions);
+        let rows = &mut scratch.ellipse;
+        (rows.slope, rows.down, rows.across, rows.width) = (slopes, downs, acrosses, widths);
+        (rows.first, rows.rows, rows.groups) = (firsts, counts, groups);
+        (rows.stride, rows.anchor, rows.total) = (strides, anchors, NONE);
         scratch.values = [NONE; 4];
         let (mut most_rows, mut most_groups) = (0, 0);
         for i in 0..BLOCK {

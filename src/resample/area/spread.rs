@@ -8,8 +8,14 @@ const PIXEL: f32 = 1.0 / 12.0;
 const LEAST: f32 = 0.25;
 /// R²/σ² of the weight (1 − r²/R²)² over a disc.
 const SUPPORT: f32 = 8.0;
-/// A square root of a smaller number is taken for zero.
+/// Less is not divided by.
 const TINY: f32 = 1e-30;
+
+/// A divisor instead of a branch: where it is less, what it divides is zero.
+#[inline(always)]
+fn at_least_tiny(x: f32) -> f32 {
+    if x > TINY { x } else { TINY }
+}
 
 /// ∂u/∂S, ∂v/∂S, ∂u/∂L and ∂v/∂L.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +70,7 @@ impl Spread {
     /// The smaller one, without cancellation.
     #[inline(always)]
     fn smallest(largest: f32, determinant: f32) -> f32 {
-        if largest > TINY { determinant / largest } else { 0.0 }
+        determinant / at_least_tiny(largest)
     }
 }
 
@@ -158,8 +164,7 @@ impl Limits {
     /// The level of detail: logᵣ of the texel to look up, within the levels there are.
     #[inline(always)]
     fn detail(&self, squared: f32) -> f32 {
-        let squared = if squared > TINY { squared } else { TINY };
-        self.within(self.half_levels * log2(squared))
+        self.within(self.half_levels * log2(at_least_tiny(squared)))
     }
 
     /// The level nearest to the level of detail.
@@ -239,7 +244,7 @@ impl Ellipse {
         let short = if short > widened { short } else { widened };
         // The directions stay, the variances along them are the new ones.
         let mean = 0.5 * (long + short);
-        let turn = if root > TINY { 0.5 * (long - short) / root } else { 0.0 };
+        let turn = 0.5 * (long - short) / at_least_tiny(root);
         let (half, uv) = (turn * 0.5 * (square.uu - square.vv), turn * square.uv);
         let vv = mean - half;
         let slope = uv / vv;
