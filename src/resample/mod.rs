@@ -23,7 +23,10 @@ mod sampler;
 mod taps;
 mod warp;
 
-pub use area::{AreaFilter, AreaSource, Footprint, Pyramid, sample_area, warp_area};
+pub use area::{
+    AreaFilter, AreaSource, Footprint, Pyramid, RepeatedIntegral, SummedAreaTable, Supersampling,
+    TableFilter, VolumePyramid, sample_area, warp_area, warp_supersampled,
+};
 pub use border::Border;
 pub use filter::{Cubic, Filter};
 pub use image::{ImageView, ImageViewMut, Sample};

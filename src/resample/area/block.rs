@@ -9,7 +9,7 @@ use alloc::boxed::Box;
 use super::filter::AreaFilter;
 use super::lookup::{Lookup, Place};
 use super::pyramid::Pyramid;
-use super::spread::{Derivatives, Ellipse, floor, integer, nearest};
+use super::spread::{Derivatives, Ellipse, floor, integer, mix, nearest};
 use super::texel::Group;
 use super::warp::Paint;
 use crate::mapping::FootprintBlock;
@@ -93,8 +93,6 @@ struct Scratch {
     position: [Each<f64>; 2],
     derivatives: [Each<f32>; 4],
     levels: Levels,
-    /// The share of the coarser level.
-    share: Each<f32>,
     /// One where all texels are within the level, zero elsewhere.
     inside: Each<u32>,
     /// One where all are beyond it.
@@ -139,7 +137,6 @@ impl Scratch {
             position: [[0.0; BLOCK]; 2],
             derivatives: [NONE; 4],
             levels: Levels::EMPTY,
-            share: NONE,
             inside: [0; BLOCK],
             outside: [0; BLOCK],
             fraction: [NONE; 2],
@@ -276,10 +273,14 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
             }
         }
         scratch.levels.number = number;
-        scratch.share = shares;
         scratch.levels.place(&single.places);
         scratch.bilinear::<T, C>(single.samples, false);
-        if !linear {
+        let mut between = 0;
+        for share in shares {
+            between |= share.to_bits();
+        }
+        if between == 0 {
+            // One level, as where all of the block is magnified.
             return;
         }
         let last = single.places.len() as u32 - 1;
@@ -291,7 +292,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         for k in 0..C {
             for i in 0..BLOCK {
                 let (fine, coarse) = (scratch.values[k][i], scratch.coarse[k][i]);
-                scratch.values[k][i] = fine + scratch.share[i] * (coarse - fine);
+                scratch.values[k][i] = mix(fine, coarse, shares[i]);
             }
         }
     }

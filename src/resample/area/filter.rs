@@ -3,9 +3,10 @@
 /// How a picture is averaged over the area that a pixel covers, from a [`Pyramid`](super::Pyramid).
 ///
 /// A pixel's area is taken from the map's Jacobian J = ∂(u, v)/∂(S, L): its unit circle becomes an ellipse in the texture.
-/// The longest half axis ρ of it, the root of the larger eigenvalue of J Jᵀ, gives the level of detail λ = logᵣ ρ, with r
-/// the pyramid's ratio. (OpenGL defines λ by the longer of the two columns of J, up to √2 less than ρ where they are not
-/// perpendicular, and allows ρ.)
+/// The longest half axis ρ of it, the root of the larger eigenvalue of J Jᵀ, gives the level of detail λ = logᵣ (ρ/√3), with r
+/// the pyramid's ratio: a bilinear lookup in texels of the length s has the variance s²/4, of which 1/12 is the texel's and 1/6 the
+/// interpolation's, and a pixel of the length ρ has ρ²/12; for s = ρ/√3 they are the same. (OpenGL's λ is log₂ ρ, 0.8 level more, which
+/// blurs; it takes the longer column of J for ρ, which is less by up to √2, or better.)
 ///
 /// | filter | texels | what it does | where it is blurred |
 /// | --- | --- | --- | --- |
@@ -14,7 +15,7 @@
 /// | [`Ewa`](Self::Ewa) | ≈ 9 to 30 · axes' ratio | an average over the ellipse itself | beyond the largest ratio |
 ///
 /// All reproduce a constant. Where the picture is magnified the first two are bilinear, and so reproduce ramps; the last one
-/// is a smooth average of 3 × 3 texels. None aliases toward a horizon: there the level rises without end.
+/// is a smooth average of 2 × 2 to 3 × 3 texels, whose centre is off by up to 0.03 texel. None aliases toward a horizon: there the level rises without end.
 ///
 /// Where a position has no Jacobian (a map's is an error, or NaN) it is looked up as if magnified.
 ///
@@ -37,18 +38,19 @@ pub enum AreaFilter {
     /// Bilinear in the level nearest to λ; levels change at once.
     #[doc(alias("GL_LINEAR_MIPMAP_NEAREST", "bilinear-nearest"))]
     NearestLevel,
-    /// Bilinear in the levels ⌊λ⌋ and ⌊λ⌋ + 1, and linear between them (Williams 1983).
+    /// Bilinear in the levels k = ⌊λ⌋ and k + 1, and linear between them (Williams 1983): the coarser one has the share
+    /// (s/rᵏ − 1)/(r − 1), so that both texels' mean is s.
     #[default]
     #[doc(alias("GL_LINEAR_MIPMAP_LINEAR", "mipmapping"))]
     Trilinear,
     /// The elliptical weighted average of Greene & Heckbert 1986, on a pyramid with a bounded cost (Heckbert 1989).
     ///
     /// *Weights.* w = (1 − r²)² within the ellipse r² = 1, zero outside. Its variances along u and v are those of the pixel's
-    /// square, J Jᵀ/12, and at least ¼ texel² along either axis. Greene & Heckbert's Gaussian cut off at its second deviation
+    /// square, J Jᵀ/12, and at least ³⁄₁₆ texel² along either axis. Greene & Heckbert's Gaussian cut off at its second deviation
     /// has a step there; this polynomial has none, and the deviation σ = R/√8 of a Gaussian that looks the same.
     ///
     /// *Level.* The coarsest one in which the shorter axis' variance, less the 1/12 texel² that the level's own texels have, is
-    /// still ¼ texel²: so the levels' blur is no part of the result, and changes of the level are hardly seen.
+    /// still ³⁄₁₆ texel²: so the levels' blur is no part of the result, and changes of the level are hardly seen.
     ///
     /// *Cost.* An ellipse whose axes have a larger ratio than `anisotropy` is made wider, not shorter: it blurs and does not
     /// alias. Then at most about (4 r + 1)(4 r · `anisotropy` + 1) texels are read, a fifth of that on the average.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Point2};
 
 use super::filter::AreaFilter;
 use super::pyramid::Pyramid;
-use super::spread::{Derivatives, Ellipse, Limits, floor, integer, nearest};
+use super::spread::{Derivatives, Ellipse, Limits, floor, integer, mix, nearest};
 use crate::mapping::RowCoords;
 use crate::resample::border::Border;
 use crate::resample::image::Sample;
@@ -146,7 +146,7 @@ impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
                 let level = whole as usize;
                 let next = (level + 1).min(self.places.len() - 1);
                 let (fine, coarse) = (self.bilinear(level, u, v), self.bilinear(next, u, v));
-                core::array::from_fn(|k| fine[k] + share * (coarse[k] - fine[k]))
+                core::array::from_fn(|k| mix(fine[k], coarse[k], share))
             }
             AreaFilter::Ewa { .. } => self.ewa(u, v, derivatives),
         };

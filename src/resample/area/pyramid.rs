@@ -166,7 +166,7 @@ fn plan<const C: usize>(picture: [usize; 2], ratio: f64) -> Vec<Level> {
 }
 
 /// The texels of a finer axis below each texel of a coarser one: number of the first, and their shares.
-struct Shares {
+pub(super) struct Shares {
     first: Vec<usize>,
     /// Where each texel's shares begin; one more at the end.
     starts: Vec<usize>,
@@ -174,7 +174,7 @@ struct Shares {
 }
 
 impl Shares {
-    fn new(fine: usize, coarse: usize) -> Self {
+    pub(super) fn new(fine: usize, coarse: usize) -> Self {
         let mut of = Self { first: vec![], starts: vec![0], shares: vec![] };
         for i in 0..coarse {
             // In units of 1/coarse texel: the coarse texel is `fine` long, a fine one `coarse`.
@@ -189,13 +189,17 @@ impl Shares {
         of
     }
 
-    fn texel(&self, i: usize) -> (usize, &[f32]) {
+    pub(super) fn texel(&self, i: usize) -> (usize, &[f32]) {
         (self.first[i], &self.shares[self.starts[i]..self.starts[i + 1]])
     }
 }
 
 /// The means of a picture over the texels of a coarser one that covers the same.
-fn reduce<S: Sample, const C: usize>(from: &[S], fine: [usize; 2], coarse: [usize; 2]) -> Vec<f32> {
+pub(super) fn reduce<S: Sample, const C: usize>(
+    from: &[S],
+    fine: [usize; 2],
+    coarse: [usize; 2],
+) -> Vec<f32> {
     let (columns, rows) = (Shares::new(fine[0], coarse[0]), Shares::new(fine[1], coarse[1]));
     let row_length = coarse[0] * C;
     let mut to = vec![0.0f32; row_length * coarse[1]];

@@ -4,8 +4,9 @@
 const LARGEST: f32 = 1e9;
 /// The variance of a pixel: of a square with sides of one.
 const PIXEL: f32 = 1.0 / 12.0;
-/// The least variance of an ellipse along an axis, in texels: less would fall between texels.
-const LEAST: f32 = 0.25;
+/// The least variance of an ellipse along an axis, texels²; a bilinear lookup has 1/6. Of those between 1/8 and 1/3 the one whose
+/// weights' centre is off the position least, by 0.025 texel.
+const LEAST: f32 = 0.1875;
 /// R²/σ² of the weight (1 − r²/R²)² over a disc.
 const SUPPORT: f32 = 8.0;
 /// Less is not divided by.
@@ -125,6 +126,13 @@ pub(super) fn integer(x: f32) -> i32 {
     (x + WHOLE).to_bits() as i32 - WHOLE.to_bits() as i32
 }
 
+/// The value between two levels; that of the finer one where the coarser has no share, whatever it is.
+#[inline(always)]
+pub(super) fn mix(fine: f32, coarse: f32, share: f32) -> f32 {
+    let between = fine + share * (coarse - fine);
+    if share == 0.0 { fine } else { between }
+}
+
 /// What an elliptical weighted average needs to know of a pyramid and of its own limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -143,7 +151,7 @@ pub(super) struct Limits {
 impl Limits {
     pub(super) fn new(anisotropy: f32, ratio: f64, levels: usize) -> Self {
         let anisotropy = anisotropy.max(1.0);
-        // Where there is a next level it would be taken at r²(¼ + ¹⁄₁₂).
+        // Where there is a next level it would be taken at r²(³⁄₁₆ + ¹⁄₁₂).
         let most = (0.5 * ratio * ratio) as f32;
         Self {
             shape: 1.0 / (anisotropy * anisotropy),
@@ -200,7 +208,7 @@ impl Limits {
         let smallest = Spread::smallest(largest, determinant);
         let widened = largest * self.shape;
         let smallest = PIXEL * if smallest > widened { smallest } else { widened };
-        // A texel's own spread is 1/12 of its square, and the weights' at least ¼.
+        // A texel's own spread is 1/12 of its square, and the weights' at least `LEAST`.
         let texels = smallest / (LEAST + PIXEL);
         self.detail(texels)
     }

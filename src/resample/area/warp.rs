@@ -19,8 +19,8 @@ pub trait Paint<T> {
 
 /// A picture that was prepared for averages over areas.
 ///
-/// Prepared are a [`Pyramid`](super::Pyramid), a [`SummedAreaTable`](super::SummedAreaTable), a
-/// [`RepeatedIntegral`](super::RepeatedIntegral) and [`Kernels`](super::Kernels); [`warp_area`] and [`sample_area`] take
+/// Prepared are a [`Pyramid`](super::Pyramid), a [`SummedAreaTable`](super::SummedAreaTable) and a
+/// [`RepeatedIntegral`](super::RepeatedIntegral); [`warp_area`] and [`sample_area`] take
 /// any of them, each with a choice of its own.
 pub trait AreaSource<T: Sample, const C: usize> {
     /// How averages are taken.
