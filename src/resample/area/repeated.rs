@@ -3,7 +3,6 @@
 use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::marker::PhantomData;
 
 use super::lookup::Footprint;
 use super::single::{OneByOne, Painter};
@@ -29,7 +28,7 @@ use crate::resample::image::{ImageView, Sample};
 /// integers modulo 2¹²⁸, and their differences exact; `f32` pictures are rounded to 2⁻⁴⁰ of their largest sample.
 ///
 /// *Reproduces* a constant and ramps; magnified it is bilinear. *Cost.* 4 (n + 1)² numbers a channel; where a weight reaches
-/// beyond the picture, all texels below it. Weights are no larger than the picture. *Memory.* 16 bytes a sample.
+/// beyond the picture, once each texel below it. Weights are no larger than the picture. *Memory.* 16 bytes a sample, and the picture.
 ///
 /// ```
 /// use collinear::nalgebra::{Matrix2, Point2};
@@ -51,7 +50,8 @@ pub struct RepeatedIntegral<T, const C: usize> {
     size: [usize; 2],
     /// A sample's value per unit of the sums.
     unit: f64,
-    samples: PhantomData<T>,
+    /// The picture, for weights that reach beyond it.
+    texels: Vec<T>,
 }
 
 /// (−1)ᵏ (n over k) for n up to 3.
@@ -109,6 +109,19 @@ impl Axis {
         }
         both
     }
+
+    /// The weights that n texels have, those beyond the edge by the border, and their sum.
+    fn folded(&self, order: usize, n: usize, border: Border) -> (Vec<f64>, f64) {
+        let mut folded = vec![0.0; n];
+        for (k, weight) in (self.start..).zip(self.weights(order)) {
+            let texel = k.clamp(-(1 << 30), 1 << 30) as i32;
+            if let Some(i) = border.texel(texel, n as i32) {
+                folded[i] += weight;
+            }
+        }
+        let sum = folded.iter().sum();
+        (folded, sum)
+    }
 }
 
 impl<T: Sample, const C: usize> RepeatedIntegral<T, C> {
@@ -147,8 +160,10 @@ impl<T: Sample, const C: usize> RepeatedIntegral<T, C> {
         }
         // Whole numbers stay what they are.
         let unit = if whole && largest <= 65_535.0 { 1.0 } else { largest / (1u64 << 40) as f64 };
+        let mut texels = Vec::with_capacity(total * C);
         for y in 0..size[1] {
             let row = &all[y * stride..][..size[0] * C];
+            texels.extend_from_slice(row);
             sums.extend(
                 row.as_chunks::<C>()
                     .0
@@ -166,7 +181,7 @@ impl<T: Sample, const C: usize> RepeatedIntegral<T, C> {
                 sums[i] = added(sums[i], sums[i - size[0]]);
             }
         }
-        Ok(Self { order: usize::from(order), sums, size, unit, samples: PhantomData })
+        Ok(Self { order: usize::from(order), sums, size, unit, texels })
     }
 
     /// How many times the picture is summed.
@@ -208,24 +223,19 @@ impl<T: Sample, const C: usize> RepeatedIntegral<T, C> {
     }
 
     /// The same, texel by texel.
-    fn across_border(&self, [u, v]: [Axis; 2], border: Border) -> [f64; C] {
+    fn across_border(&self, axes: [Axis; 2], border: Border) -> [f64; C] {
+        let [(columns, u), (rows, v)] =
+            [0, 1].map(|k| axes[k].folded(self.order, self.size[k], border));
         let constant = border.constant::<T, C>().map(|s| f64::from(s.to_f32()));
-        let columns = u.weights(self.order);
-        let mut sums = [0.0; C];
-        let at = |start: i64, k: usize, n: usize| {
-            border.texel((start + k as i64).clamp(-(1 << 30), 1 << 30) as i32, n as i32)
-        };
-        for (l, down) in v.weights(self.order).iter().enumerate() {
-            let row = at(v.start, l, self.size[1]);
-            for (k, across) in columns.iter().enumerate() {
-                let texel = match (at(u.start, k, self.size[0]), row) {
-                    (Some(x), Some(y)) => self
-                        .difference([x as i64, y as i64], [1, 1])
-                        .map(|value| value as f64 * self.unit),
-                    _ => constant,
-                };
+        let total: f64 = axes.iter().map(|a| (a.width as f64).powi(self.order as i32)).product();
+        let beyond = (total - u * v).max(0.0);
+        let mut sums = constant.map(|value| value * beyond);
+        let row = self.size[0] * C;
+        for (texels, down) in self.texels.chunks_exact(row).zip(&rows).filter(|(_, w)| **w > 0.0) {
+            let texels = texels.as_chunks::<C>().0;
+            for (texel, across) in texels.iter().zip(&columns).filter(|(_, w)| **w > 0.0) {
                 for c in 0..C {
-                    sums[c] += across * down * texel[c];
+                    sums[c] += across * down * f64::from(texel[c].to_f32());
                 }
             }
         }
