@@ -92,7 +92,7 @@ fn every_filter(
         ("adaptive, depth 4", Supersampling::Adaptive { depth: 4, tolerance: 8.0 }),
     ] {
         add(name, &|target| {
-            warp_supersampled(view, map, places, Filter::Bilinear, border, target)
+            warp_supersampled(view, map, places, Filter::Bilinear, border, target);
         })?;
     }
     let halves = Pyramid::new(view)?;
@@ -161,12 +161,12 @@ fn text() -> Vec<u8> {
         let (column, row) = ((x / 8.0) as u64, (y / 12.0) as u64);
         let (i, j) = ((x % 8.0) as u64, (y % 12.0) as u64);
         let letter = random(column * 7919 + row);
-        let blank = letter % 6 == 0 || i >= 5 || j >= 7;
+        let blank = letter.is_multiple_of(6) || i >= 5 || j >= 7;
         // A stroke down one side, two across, and one more of either kind.
         let stroke = i == letter / 8 % 2 * 4
             || j == letter / 16 % 3 * 3
             || j == letter / 64 % 3 * 3
-            || (letter / 256 % 2 == 0 && i == 4);
+            || ((letter / 256).is_multiple_of(2) && i == 4);
         if !blank && stroke { 20.0 } else { 235.0 }
     })
 }

@@ -24,11 +24,11 @@
 /// use collinear::resample::{AreaFilter, Border, Footprint, ImageView, Pyramid, sample_area};
 ///
 /// // Columns of 0, 100, 0, 100 … seen four to a pixel, and looked at on one of them: nothing but their mean is right.
-/// let columns: Vec<f32> = (0..256).map(|i| 100.0 * (i % 2) as f32).collect();
-/// let pyramid = Pyramid::new(ImageView::<f32, 1>::new(&columns, 16, 16)?)?;
+/// let columns: Vec<u8> = (0..256).map(|i| 100 * (i % 2) as u8).collect();
+/// let pyramid = Pyramid::new(ImageView::<u8, 1>::new(&columns, 16, 16)?)?;
 /// let pixel = Footprint { position: Point2::new(8.5, 8.0), jacobian: Matrix2::identity() * 4.0 };
 /// for filter in [AreaFilter::NearestLevel, AreaFilter::Trilinear, AreaFilter::Ewa { anisotropy: 16 }] {
-///     assert_eq!(sample_area(&pyramid, &pixel, filter, Border::Clamp), Some([50.0]));
+///     assert_eq!(sample_area(&pyramid, &pixel, filter, Border::Clamp), Some([50]));
 /// }
 /// # Ok::<(), collinear::Error>(())
 /// ```
