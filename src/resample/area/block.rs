@@ -7,7 +7,7 @@
 use alloc::boxed::Box;
 
 use super::filter::AreaFilter;
-use super::lookup::{Lookup, Place};
+use super::lookup::{Lookup, Place, in_first_period};
 use super::pyramid::Pyramid;
 use super::spread::{Derivatives, Ellipse, floor, integer, mix, nearest};
 use super::texel::Group;
@@ -235,6 +235,14 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         let [ul, vl] = block.by_line;
         for (to, from) in scratch.position.iter_mut().zip([block.u, block.v]) {
             *to = filled(from);
+        }
+        if self.single.border == Border::Repeat {
+            // So that every repetition but its edges is within the picture.
+            for (positions, n) in scratch.position.iter_mut().zip(self.single.places[0].size) {
+                for x in positions {
+                    *x = in_first_period(*x, f64::from(n));
+                }
+            }
         }
         let [us, vs, ul, vl] = [us, vs, ul, vl].map(filled);
         for i in 0..BLOCK {

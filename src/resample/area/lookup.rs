@@ -92,6 +92,13 @@ fn before(x: f64) -> (i32, f32) {
     crate::resample::position::split(x, 0.5)
 }
 
+/// A coordinate within the first of n texels that are repeated; what is too large stays.
+#[inline(always)]
+pub(super) fn in_first_period(x: f64, n: f64) -> f64 {
+    let known = x.abs() <= RowCoords::COORDINATE_LIMIT;
+    if (x >= 0.0 && x < n) || !known { x } else { x.rem_euclid(n) }
+}
+
 impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
     /// `None` for a pyramid without levels.
     pub(super) fn new(
@@ -136,6 +143,10 @@ impl<'a, T: Sample, const C: usize> Lookup<'a, T, C> {
         if self.border == Border::Transparent && !inside {
             return None;
         }
+        let (u, v) = match self.border {
+            Border::Repeat => (in_first_period(u, w), in_first_period(v, h)),
+            _ => (u, v),
+        };
         let value = match self.filter {
             AreaFilter::NearestLevel => {
                 let level = self.limits.level_of_detail(derivatives) as usize;
