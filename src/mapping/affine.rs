@@ -5,6 +5,7 @@ use core::ops::Range;
 use nalgebra::{Matrix2, Point2};
 
 use super::Map;
+use super::footprint::{FootprintSink, ask};
 use super::span::Span;
 use crate::error::ProjectionError;
 use crate::geometry::Affine2;
@@ -18,6 +19,11 @@ impl Map for Affine2 {
 
     fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
         self.at(screen).map(|_| self.linear)
+    }
+
+    fn footprints(&self, line: i32, samples: Range<i32>, emit: &mut FootprintSink<'_>) {
+        let same = Some(self.linear);
+        self.blocks(line, samples, &mut |x, u, v| ask(|_, _| same, line, [u, v], x, emit));
     }
 
     fn span(&self, line: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {

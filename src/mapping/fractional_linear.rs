@@ -6,12 +6,14 @@ use nalgebra::{
     Matrix2, Matrix3, Matrix3x4, Matrix4x3, Point2, Point3, RowVector3, Vector3, Vector4,
 };
 
-use super::Map;
-use super::span::Span;
+use super::footprint::ask;
+use super::span::{BLOCK, Span};
+use super::{FootprintBlock, FootprintSink, Map};
 use crate::camera::HomogeneousCamera;
 use crate::error::{Error, ProjectionError};
 use crate::geometry::{Homography, Plane};
 use crate::numeric::scalar::Scalar;
+use crate::numeric::vectorised;
 
 /// A fractional-linear map from screen to texture, with its two conditions of validity.
 ///
@@ -391,6 +393,38 @@ impl Map for FractionalLinear {
             m.m21 - p.y * m.m31,
             m.m22 - p.y * m.m32,
         ) / w)
+    }
+
+    /// ∂u/∂S = (P₁ − u R₁)/w and so on; 1/w is a third attribute of the row's span.
+    fn footprints(&self, line: i32, samples: Range<i32>, emit: &mut FootprintSink<'_>) {
+        let [p, q, r] = self.coefficients();
+        let Ok(span) = Span::on_line([p, q, [1.0, 0.0, 0.0]], r, line) else {
+            let by_map = |x, y| self.jacobian(&Point2::new(x, y)).ok();
+            return self.blocks(line, samples, &mut |x, u, v| ask(by_map, line, [u, v], x, emit));
+        };
+        let valid = span.valid_interval(self.valid_samples(line, samples));
+        vectorised(
+            #[inline(always)]
+            || {
+                span.walk(
+                    valid,
+                    #[inline(always)]
+                    |x, [u, v, inverse]| {
+                        let mut by = [[0.0; BLOCK]; 4];
+                        let forms =
+                            [(u, p[1], r[1]), (v, q[1], r[1]), (u, p[2], r[2]), (v, q[2], r[2])];
+                        for (by, (at, numerator, denominator)) in by.iter_mut().zip(forms) {
+                            for (by, (at, inverse)) in by.iter_mut().zip(at.iter().zip(inverse)) {
+                                *by = (numerator - at * denominator) * inverse;
+                            }
+                        }
+                        let [us, vs, ul, vl] = by.each_ref().map(|by| &by[..u.len()]);
+                        let (by_sample, by_line) = ([us, vs], [ul, vl]);
+                        emit(&FootprintBlock { x, u, v, by_sample, by_line });
+                    },
+                );
+            },
+        );
     }
 
     /// Solves both conditions for their interval; `None` for coefficients too small or too large for a span, which no camera

@@ -10,6 +10,7 @@ mod affine;
 mod cantrell;
 mod central;
 mod compose;
+mod footprint;
 mod fractional_linear;
 pub mod perspective_bilinear;
 pub mod polynomial;
@@ -25,6 +26,7 @@ use nalgebra::{Matrix2, Point2};
 pub use cantrell::CantrellPlane;
 pub use central::{CentralMap, CentralPhotographMap};
 pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
+pub use footprint::{FootprintBlock, FootprintSink};
 pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};
 pub use sensor::SensorMap;
@@ -103,6 +105,29 @@ pub trait Map: Debug + Send + Sync {
             ),
             None => pointwise_blocks(|p| self.at(p), line, samples, emit),
         }
+    }
+
+    /// As [`blocks`](Self::blocks), with the derivatives that say how large a pixel is in the texture.
+    ///
+    /// Positions are those of [`blocks`](Self::blocks) bit for bit. Derivatives are NaN where [`jacobian`](Self::jacobian) is
+    /// an error. The default asks it at each pixel; a fractional-linear map has closed forms.
+    ///
+    /// ```
+    /// use collinear::mapping::{FractionalLinear, Map};
+    ///
+    /// // u = S/L, v = −1/L: at S = 3.5, L = 0.5 the derivatives are 1/L, 0 by S and −S/L², 1/L² by L.
+    /// let map = FractionalLinear::from_coefficients(
+    ///     [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])?;
+    /// map.footprints(0, 3..4, &mut |block| {
+    ///     assert_eq!((block.u[0], block.v[0]), (7.0, -2.0));
+    ///     assert_eq!(block.by_sample.map(|d| d[0]), [2.0, 0.0]);
+    ///     assert_eq!(block.by_line.map(|d| d[0]), [-14.0, 4.0]);
+    /// });
+    /// # Ok::<(), collinear::Error>(())
+    /// ```
+    fn footprints(&self, line: i32, samples: Range<i32>, emit: &mut FootprintSink<'_>) {
+        let by_map = |x, y| self.jacobian(&Point2::new(x, y)).ok();
+        self.blocks(line, samples, &mut |x, u, v| footprint::ask(by_map, line, [u, v], x, emit));
     }
 
     /// The pixels `samples` of row `line` that show something as a hyperbolic span, with its attributes u and v, and which

@@ -13,6 +13,8 @@
 mod absolute_orientation;
 mod aerial;
 mod affine;
+mod area;
+mod area_tables;
 mod bundle;
 mod bundle_blocks;
 mod camera;
