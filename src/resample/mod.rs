@@ -25,6 +25,7 @@
 #![doc = include_str!("../../docs/figures/resample.svg")]
 
 mod area;
+mod bands;
 mod block;
 mod border;
 mod filter;

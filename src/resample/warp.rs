@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::bands::for_each_band;
 use super::block::{BlockSampler, Positions};
 use super::border::Border;
 use super::filter::Filter;
@@ -39,37 +40,17 @@ pub fn warp<T: Sample, const C: usize>(
     border: Border,
     target: &mut ImageViewMut<'_, T, C>,
 ) {
-    let width = target.width();
-    if width == 0 || source.width() == 0 || source.height() == 0 {
+    if source.width() == 0 || source.height() == 0 {
         return;
     }
-    let (samples, stride) = target.samples_mut();
-    let mut bands: Vec<(i32, &mut [T])> =
-        (0..).step_by(BAND).zip(samples.chunks_mut(BAND * stride)).collect();
-    let warp_band = |sampler: &mut Option<BlockSampler<'_, T, C>>,
-                     (line, band): &mut (i32, &mut [T])| {
-        if let Some(sampler) = sampler {
-            paint_band(
-                sampler,
-                map,
-                *line,
-                band.chunks_mut(stride).map(|row| &mut row[..width * C]),
-            );
-        }
-    };
     let sampler = || BlockSampler::new(source, filter, border);
-    #[cfg(feature = "rayon")]
-    if bands.len() > 1 && rayon::current_num_threads() > 1 {
-        use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
-        bands.par_iter_mut().for_each_init(sampler, warp_band);
-        return;
-    }
-    let mut sampler = sampler();
-    bands.iter_mut().for_each(|band| warp_band(&mut sampler, band));
+    for_each_band(target, sampler, |sampler, line, rows| {
+        if let Some(sampler) = sampler {
+            paint_band(sampler, map, line, rows);
+        }
+    });
 }
 
-/// Rows that are painted together.
-const BAND: usize = 32;
 /// Pixels of a strip of rows that run across so many pages of the picture's memory that processors lose sight of them before
 /// the next row comes by. A multiple of a span's blocks.
 const STRIP: usize = 256;
@@ -79,15 +60,15 @@ const PAGE: f64 = 4096.0;
 const PAGES: f64 = 3072.0;
 
 /// Paints neighbouring rows from `line` on.
-fn paint_band<'r, T: Sample, const C: usize>(
+fn paint_band<T: Sample, const C: usize>(
     sampler: &mut BlockSampler<'_, T, C>,
     map: &dyn Map,
     line: i32,
-    rows: impl Iterator<Item = &'r mut [T]>,
+    rows: &mut [&mut [T]],
 ) {
-    let mut spans: Vec<(&mut [T], Span<2>, Range<i32>)> = Vec::with_capacity(BAND);
+    let mut spans: Vec<(&mut [T], Span<2>, Range<i32>)> = Vec::with_capacity(rows.len());
     let mut across = false;
-    for (row, line) in rows.zip(line..) {
+    for (row, line) in rows.iter_mut().zip(line..) {
         let width = (row.len() / C) as i32;
         if let Some((span, valid)) = map.span(line, 0..width) {
             // A map may say anything of where it is valid.

@@ -5,6 +5,7 @@ use alloc::boxed::Box;
 use super::lookup::Footprint;
 use crate::mapping::span::BLOCK;
 use crate::mapping::{FootprintBlock, Map};
+use crate::resample::bands::for_each_band;
 use crate::resample::border::Border;
 use crate::resample::image::{ImageViewMut, Sample};
 
@@ -24,7 +25,7 @@ pub trait Paint<T> {
 /// any of them, each with a choice of its own.
 pub trait AreaSource<T: Sample, const C: usize> {
     /// How averages are taken.
-    type Filter: Copy;
+    type Filter: Copy + Sync;
 
     /// The value of one pixel; `None` outside a transparent border, for NaN, and in a picture without pixels.
     fn area(&self, pixel: &Footprint, filter: Self::Filter, border: Border) -> Option<[T; C]>;
@@ -58,6 +59,9 @@ pub fn sample_area<S: AreaSource<T, C>, T: Sample, const C: usize>(
 /// aliases. Areas are taken from the map's derivatives at each pixel's centre ([`Map::footprints`]); beyond the horizon
 /// there are none. A pixel depends on its own position alone: targets may be cut into rows anyhow.
 ///
+/// With the feature `rayon` bands of rows are painted on the threads of the caller's pool, with the same bytes whatever
+/// their number.
+///
 /// *Cost.* benches/README.md has the speeds. Pixels at a level's edge cost several times as much as those within.
 ///
 /// ```
@@ -74,31 +78,32 @@ pub fn sample_area<S: AreaSource<T, C>, T: Sample, const C: usize>(
 /// assert_eq!(small, [100; 64]);
 /// # Ok::<(), collinear::Error>(())
 /// ```
-pub fn warp_area<S: AreaSource<T, C>, T: Sample, const C: usize>(
+pub fn warp_area<S: AreaSource<T, C> + Sync, T: Sample, const C: usize>(
     source: &S,
     map: &dyn Map,
     filter: S::Filter,
     border: Border,
     target: &mut ImageViewMut<'_, T, C>,
 ) {
-    let Some(mut painter) = source.painter(filter, border) else { return };
-    let width = target.width() as i32;
-    for y in 0..target.height() {
-        let row = target.row_mut(y);
-        let mut done = 0;
-        map.footprints(y as i32, 0..width, &mut |block| {
-            let start = usize::try_from(block.x).unwrap_or(usize::MAX).saturating_mul(C);
-            let end = start.saturating_add(block.u.len().saturating_mul(C));
-            // What is not right of what came before, or beyond the row, is no pixel of it.
-            if start < done || end > row.len() || !is_even(block) {
-                return;
-            }
-            painter.fill(&mut row[done..start]);
-            painter.paint(block, &mut row[start..end]);
-            done = end;
-        });
-        painter.fill(&mut row[done..]);
-    }
+    let painter = || source.painter(filter, border);
+    for_each_band(target, painter, |painter, line, rows| {
+        let Some(painter) = painter else { return };
+        for (row, line) in rows.iter_mut().zip(line..) {
+            let mut done = 0;
+            map.footprints(line, 0..(row.len() / C) as i32, &mut |block| {
+                let start = usize::try_from(block.x).unwrap_or(usize::MAX).saturating_mul(C);
+                let end = start.saturating_add(block.u.len().saturating_mul(C));
+                // What is not right of what came before, or beyond the row, is no pixel of it.
+                if start < done || end > row.len() || !is_even(block) {
+                    return;
+                }
+                painter.fill(&mut row[done..start]);
+                painter.paint(block, &mut row[start..end]);
+                done = end;
+            });
+            painter.fill(&mut row[done..]);
+        }
+    });
 }
 
 /// Whether a block is one: all slices of one length, of 1 to 64.

@@ -1,0 +1,37 @@
+//! The rows of a picture to paint, band by band, on one thread or on those of the caller's pool.
+
+use alloc::vec::Vec;
+
+use super::image::{ImageViewMut, Sample};
+
+/// Rows that are painted together.
+pub(super) const BAND: usize = 32;
+
+/// Calls `paint` with what a thread works with, the number of a first row, and that row and those below it, until all rows
+/// are painted.
+pub(super) fn for_each_band<T: Sample, S, const C: usize>(
+    target: &mut ImageViewMut<'_, T, C>,
+    state: impl Fn() -> S + Sync + Send,
+    paint: impl Fn(&mut S, i32, &mut [&mut [T]]) + Sync + Send,
+) {
+    let width = target.width() * C;
+    if width == 0 {
+        return;
+    }
+    let (samples, stride) = target.samples_mut();
+    let mut bands: Vec<(i32, &mut [T])> =
+        (0..).step_by(BAND).zip(samples.chunks_mut(BAND * stride)).collect();
+    let paint_band = |state: &mut S, (line, band): &mut (i32, &mut [T])| {
+        let mut rows: Vec<&mut [T]> =
+            band.chunks_mut(stride).map(|row| &mut row[..width]).collect();
+        paint(state, *line, &mut rows);
+    };
+    #[cfg(feature = "rayon")]
+    if bands.len() > 1 && rayon::current_num_threads() > 1 {
+        use rayon::prelude::{IntoParallelRefMutIterator, ParallelIterator};
+        bands.par_iter_mut().for_each_init(state, paint_band);
+        return;
+    }
+    let mut state = state();
+    bands.iter_mut().for_each(|band| paint_band(&mut state, band));
+}
