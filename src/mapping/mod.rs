@@ -7,15 +7,19 @@
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
 mod affine;
+mod blocks;
 mod cantrell;
 mod central;
 mod compose;
+mod control;
 mod fractional_linear;
 pub mod perspective_bilinear;
+pub mod piecewise;
 pub mod polynomial;
 mod row;
 mod sensor;
 pub mod span;
+mod thin_plate;
 
 use core::fmt::Debug;
 use core::ops::Range;
@@ -28,6 +32,7 @@ pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
 pub use fractional_linear::FractionalLinear;
 pub use row::{RowCoords, Run};
 pub use sensor::SensorMap;
+pub use thin_plate::ThinPlate;
 
 use crate::error::ProjectionError;
 
@@ -101,7 +106,7 @@ pub trait Map: Debug + Send + Sync {
                 #[inline(always)]
                 || span.walk(valid, |x, [u, v]| emit(x, u, v)),
             ),
-            None => pointwise_blocks(|p| self.at(p), line, samples, emit),
+            None => blocks::pointwise(|p| self.at(p), line, samples, emit),
         }
     }
 
@@ -122,34 +127,5 @@ pub trait Map: Debug + Send + Sync {
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
         out.clear();
         self.blocks(line, samples, &mut |x, u, v| out.push_block(x, u, v));
-    }
-}
-
-/// A row by its pixels, one at a time.
-fn pointwise_blocks(
-    at: impl Fn(&Point2<f64>) -> Result<Point2<f64>, ProjectionError>,
-    line: i32,
-    samples: Range<i32>,
-    emit: &mut BlockSink<'_>,
-) {
-    let y = f64::from(line) + 0.5;
-    let (mut u, mut v) = ([0.0; span::BLOCK], [0.0; span::BLOCK]);
-    let (mut first, mut count) = (samples.start, 0);
-    for x in samples {
-        let point = at(&Point2::new(f64::from(x) + 0.5, y)).ok();
-        if count == span::BLOCK || (count > 0 && point.is_none()) {
-            emit(first, &u[..count], &v[..count]);
-            count = 0;
-        }
-        if let Some(p) = point {
-            if count == 0 {
-                first = x;
-            }
-            (u[count], v[count]) = (p.x, p.y);
-            count += 1;
-        }
-    }
-    if count > 0 {
-        emit(first, &u[..count], &v[..count]);
     }
 }
