@@ -7,12 +7,14 @@
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
 mod affine;
+mod approximated;
 mod blocks;
 mod cantrell;
 mod central;
 mod compose;
 mod control;
 mod fractional_linear;
+mod lookup_table;
 pub mod perspective_bilinear;
 pub mod piecewise;
 pub mod polynomial;
@@ -26,10 +28,12 @@ use core::ops::Range;
 
 use nalgebra::{Matrix2, Point2};
 
+pub use approximated::{Approximated, ApproximationReport};
 pub use cantrell::CantrellPlane;
 pub use central::{CentralMap, CentralPhotographMap};
 pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
 pub use fractional_linear::FractionalLinear;
+pub use lookup_table::{LookupTable, TextureOrigin};
 pub use row::{RowCoords, Run};
 pub use sensor::SensorMap;
 pub use thin_plate::ThinPlate;
@@ -127,5 +131,28 @@ pub trait Map: Debug + Send + Sync {
     fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
         out.clear();
         self.blocks(line, samples, &mut |x, u, v| out.push_block(x, u, v));
+    }
+}
+
+/// A borrowed map is a map.
+impl<M: Map + ?Sized> Map for &M {
+    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        (**self).at(screen)
+    }
+
+    fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+        (**self).jacobian(screen)
+    }
+
+    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
+        (**self).blocks(line, samples, emit);
+    }
+
+    fn span(&self, line: i32, samples: Range<i32>) -> Option<(span::Span<2>, Range<i32>)> {
+        (**self).span(line, samples)
+    }
+
+    fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
+        (**self).row(line, samples, out);
     }
 }

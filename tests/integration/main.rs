@@ -29,6 +29,7 @@ mod homography;
 mod intersection;
 mod layers;
 mod least_squares;
+mod lookup_table;
 mod mesh;
 mod orthophoto;
 mod output_models;
