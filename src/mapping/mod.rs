@@ -18,6 +18,7 @@ mod lookup_table;
 pub mod perspective_bilinear;
 pub mod piecewise;
 pub mod polynomial;
+pub mod registration;
 mod row;
 mod sensor;
 pub mod span;

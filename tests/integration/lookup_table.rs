@@ -6,6 +6,7 @@ use std::ops::Range;
 use collinear::camera::{Brown, BrownCamera, InteriorOrientation};
 use collinear::geometry::Affine2;
 use collinear::mapping::piecewise::PiecewiseAffine;
+use collinear::mapping::polynomial::Bilinear;
 use collinear::mapping::{
     Approximated, DistortMap, FractionalLinear, LookupTable, Map, TextureOrigin, UndistortMap,
 };
@@ -300,6 +301,8 @@ fn bad_tables_and_approximations_are_refused() {
     for (x, y) in [(0..0, 0..4), (0..4, 5..3), (i32::MIN..i32::MAX, 0..1)] {
         assert!(matches!(Approximated::new(map, x, y, 0.1), Err(Error::OutOfRange { .. })));
     }
+    // A map without spans, which end at 2²⁵.
+    let map = Bilinear::from_coefficients([0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]).unwrap();
     let last =
         Approximated::new(map, i32::MAX - 70..i32::MAX, i32::MIN..i32::MIN + 3, 0.1).unwrap();
     assert_eq!(row(&last, i32::MIN, i32::MAX - 80..i32::MAX).iter().flatten().count(), 80);

@@ -43,6 +43,7 @@ mod polynomial;
 mod pose;
 mod projection;
 mod rays;
+mod registration;
 mod relative_orientation;
 mod resample;
 mod resection;
