@@ -21,6 +21,7 @@ pub mod polynomial;
 pub mod registration;
 mod row;
 mod sensor;
+pub mod shader;
 pub mod span;
 mod thin_plate;
 

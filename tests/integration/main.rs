@@ -55,6 +55,7 @@ mod rows;
 mod rpc;
 mod scanning;
 mod scanning_edges;
+mod shader;
 mod sources;
 mod span;
 mod support;
