@@ -4,6 +4,17 @@
 //! the top-left corner of the top-left pixel. A map answers point by point in `f64`, and row by row through
 //! [`Map::row`], which a renderer can call to fill buffers of its own.
 //!
+//! | map | from |
+//! | --- | --- |
+//! | [`FractionalLinear`], [`CantrellPlane`] | a plane and two cameras, four points |
+//! | [`PhotographMap`], [`CentralPhotographMap`], [`SensorMap`] | a surface and two sensors, lenses included |
+//! | [`DistortMap`], [`UndistortMap`], [`Composed`] | a lens; one map after another |
+//! | [`polynomial`], [`piecewise`], [`ThinPlate`] | control points; [`registration`] fits and compares them |
+//! | [`LookupTable`] | what another program computed, pixel by pixel |
+//! | [`Approximated`] | another map that is too slow, within a tolerance |
+//!
+//! [`shader`] writes maps for graphics processors.
+//!
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
 mod affine;

@@ -4,7 +4,7 @@
 use collinear::geometry::Affine2;
 use collinear::mapping::{Map, ThinPlate};
 use collinear::{Error, ProjectionError};
-use nalgebra::{Matrix2, Point2};
+use nalgebra::{Matrix2, Point2, Vector2};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -43,20 +43,11 @@ fn a_thin_plate_is_that_of_forty_digits_and_of_scipy() {
 
 fn pairs() -> impl Strategy<Value = (Vec<Point2<f64>>, Vec<Point2<f64>>)> {
     // One point in each cell of a lattice: none too near to another.
-    prop::collection::btree_map(
-        (0..8i32, 0..6i32),
-        ((0.2..0.8, 0.2..0.8), (0.0..90.0, 0.0..90.0)),
-        5..30,
-    )
-    .prop_map(|all| {
-        let screen: Vec<Point2<f64>> = all
-            .iter()
-            .map(|(k, ((x, y), _)): (&(i32, i32), &((f64, f64), (f64, f64)))| {
-                Point2::new((f64::from(k.0) + x) * 10.0, (f64::from(k.1) + y) * 10.0)
-            })
-            .collect();
-        let texture = all.values().map(|(_, (u, v))| Point2::new(*u, *v)).collect();
-        (screen, texture)
+    let within = (0.2..0.8, 0.2..0.8).prop_map(|(x, y)| Vector2::new(x, y));
+    let texture = (0.0..90.0, 0.0..90.0).prop_map(|(u, v)| Point2::new(u, v));
+    prop::collection::btree_map((0..8i32, 0..6i32), (within, texture), 5..30).prop_map(|all| {
+        let cell = |k: (i32, i32)| Point2::new(f64::from(k.0), f64::from(k.1));
+        all.into_iter().map(|(k, (w, t))| ((cell(k) + w) * 10.0, t)).unzip()
     })
 }
 
