@@ -16,6 +16,8 @@
 //! | [`MapModel::ThinPlate`] | all | 3 | anything smooth, with measuring errors smoothed away |
 //!
 //! Prefer the model of fewest unknowns among those whose cross-validated residuals differ little.
+//!
+#![doc = include_str!("../../docs/figures/registration.svg")]
 
 use alloc::vec::Vec;
 use core::fmt;

@@ -230,6 +230,19 @@ proptest! {
 }
 
 #[test]
+fn slopes_of_triangles_by_hand() {
+    let points = |c: [(f64, f64); 4]| c.map(|(x, y)| Point2::new(x, y));
+    let screen = points([(0., 0.), (10., 0.), (12., 12.), (0., 10.)]);
+    let texture = points([(0., 0.), (10., 0.), (14., 10.), (0., 10.)]);
+    let map = PiecewiseAffine::new(&screen, &texture).unwrap();
+    // Beyond the diagonal J (2, 12) = (4, 10) and J (−10, 10) = (−10, 10); before it nothing moves.
+    let beyond = map.jacobian(&Point2::new(7.0, 8.0)).unwrap();
+    assert!((beyond - Matrix2::new(8.0, 1.0, -1.0, 6.0) / 7.0).amax() < 1e-14, "{beyond}");
+    let before = map.jacobian(&Point2::new(2.0, 3.0)).unwrap();
+    assert!((before - Matrix2::identity()).amax() < 1e-14, "{before}");
+}
+
+#[test]
 fn a_quadratic_with_its_gradients_is_reproduced() {
     let screen = points(&oracles()["cases"][0]["screen"]);
     let f =

@@ -14,6 +14,8 @@
 //! which map fits given points best.
 //!
 //! The triangles are those of the crate `delaunator`; every other step is by the sides of corners, with no tolerance.
+//!
+#![doc = include_str!("../../../docs/figures/piecewise.svg")]
 
 mod affine;
 mod cubic;

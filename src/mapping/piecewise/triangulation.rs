@@ -18,12 +18,13 @@ const LARGEST: f64 = 1e100;
 #[derive(Clone, Debug)]
 pub(super) struct Triangulation {
     pub(super) points: Vec<Point2<f64>>,
-    /// The corners of the triangles, three by three, all turning from +x to +y.
+    /// The corners of the triangles, three by three, all turning from +y to +x.
     pub(super) corners: Vec<usize>,
     /// The same edge as a half-edge of the neighbour.
     twins: Vec<Option<usize>>,
-    /// The edges through which rows enter: the lower and upper end in y, and the half-edge. By their lower end.
-    entries: Vec<(f64, f64, usize)>,
+    /// The edges of the hull through which rows enter, those that lead towards +y: where they begin, ascending, and the
+    /// half-edge.
+    entries: Vec<(f64, usize)>,
     /// The least and the greatest y.
     lines: [f64; 2],
 }
@@ -113,41 +114,16 @@ impl Triangulation {
                 limit: 1.0,
             });
         }
-        Self::from_triangles(points.to_vec(), found.triangles, found.halfedges)
-    }
-
-    fn from_triangles(
-        points: Vec<Point2<f64>>,
-        mut corners: Vec<usize>,
-        twins: Vec<usize>,
-    ) -> Result<Self, Error> {
-        let mut twins: Vec<Option<usize>> =
-            twins.into_iter().map(|h| (h != delaunator::EMPTY).then_some(h)).collect();
-        let area = |t: &[usize]| {
-            let [a, b, c] = [points[t[0]], points[t[1]], points[t[2]]];
-            cross([b.x - a.x, b.y - a.y], [c.x - a.x, c.y - a.y])
-        };
-        let total: f64 = corners.chunks_exact(3).map(area).sum();
-        if total < 0.0 {
-            // Walked the other way round, the edges of (a, b, c) become those of (a, c, b): (ab, bc, ca) → (ca, bc, ab).
-            let mirrored = |h: usize| h - h % 3 + 2 - h % 3;
-            for t in corners.chunks_exact_mut(3) {
-                t.swap(1, 2);
-            }
-            for t in twins.chunks_exact_mut(3) {
-                t.swap(0, 2);
-            }
-            for twin in twins.iter_mut().flatten() {
-                *twin = mirrored(*twin);
-            }
-        }
+        let (corners, points) = (found.triangles, points.to_vec());
+        let twins: Vec<Option<usize>> =
+            found.halfedges.into_iter().map(|h| (h != delaunator::EMPTY).then_some(h)).collect();
         let lines = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
             [low.min(p.y), high.max(p.y)]
         });
-        let mut entries: Vec<(f64, f64, usize)> = (0..corners.len())
-            .filter(|&h| twins[h].is_none())
-            .map(|h| (points[corners[next(h)]].y, points[corners[h]].y, h))
-            .filter(|(low, high, _)| low < high)
+        let y = |h: usize| points[corners[h]].y;
+        let mut entries: Vec<(f64, usize)> = (0..corners.len())
+            .filter(|&h| twins[h].is_none() && y(h) < y(next(h)))
+            .map(|h| (y(h), h))
             .collect();
         entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         Ok(Self { points, corners, twins, entries, lines })
@@ -202,8 +178,7 @@ impl Triangulation {
         let side = self.side(y);
         let beyond = |h: usize| side.beyond(&self.points[self.corners[h]]);
         let after = self.entries.partition_point(|e| if side.last { e.0 < y } else { e.0 <= y });
-        let Some(&(_, _, mut entry)) = after.checked_sub(1).and_then(|i| self.entries.get(i))
-        else {
+        let Some(&(_, mut entry)) = after.checked_sub(1).and_then(|i| self.entries.get(i)) else {
             return Err(outside(0.0));
         };
         // No row meets a triangle twice.
