@@ -21,7 +21,8 @@ use crate::mapping::{BlockSink, Map, control};
 ///
 /// *Domain.* The convex hull of the screen points, its border included to rounding. *Cost.* A row follows its triangles
 /// from the one to the next; one addition and one product a pixel and coordinate. [`at`](Map::at) follows its row as
-/// well: about √n triangles of n. *Accuracy.* A few rounding errors of the texture coordinates, in slivers too.
+/// well: about √n triangles of n. *Accuracy.* A few rounding errors of the texture
+/// coordinates; in triangles thinner than the rounding of their corners, somewhere between the corners' values.
 ///
 /// # Example
 /// A square pulled at one corner. Delaunay's diagonal is that from (10, 0) to (0, 10); (6, 6) lies beyond it with the
@@ -51,8 +52,8 @@ impl PiecewiseAffine {
     ///
     /// # Errors
     /// [`Error::LengthMismatch`], [`Error::TooFewPoints`] below three, [`Error::NotFinite`], [`Error::OutOfRange`] for
-    /// coordinates over 1e100, and [`Error::Degenerate`] where screen points coincide or all lie on one line (the measure is
-    /// the share of points that are corners of triangles).
+    /// coordinates over 1e100, and [`Error::Degenerate`] where the screen points lie on one line to rounding (the measure is
+    /// twice the area of their triangles over the square of their extent) or coincide (the measure is how many are corners).
     pub fn new(screen: &[Point2<f64>], texture: &[Point2<f64>]) -> Result<Self, Error> {
         control::check(screen, texture, 3)?;
         Ok(Self { triangles: Triangulation::new(screen)?, texture: texture.to_vec() })

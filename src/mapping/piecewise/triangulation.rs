@@ -87,8 +87,9 @@ impl Triangulation {
     /// The Delaunay triangulation.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for coordinates beyond 1e100; [`Error::Degenerate`] where the points lie on one line (measure
-    /// 0) or where points coincide, as far as triangles can tell (the measure is the share of points that are corners).
+    /// [`Error::OutOfRange`] for coordinates beyond 1e100; [`Error::Degenerate`] where the points lie on one line to rounding
+    /// (the measure is twice the area of the triangles over the square of their extent), or where points coincide (it is how
+    /// many are corners of triangles).
     pub(super) fn new(points: &[Point2<f64>]) -> Result<Self, Error> {
         if let Some(p) = points.iter().find(|p| p.coords.amax() > LARGEST) {
             return Err(Error::OutOfRange {
@@ -106,12 +107,25 @@ impl Triangulation {
         for &corner in &found.triangles {
             used[corner] = true;
         }
+        // How wide the points' hull is against its length, and what rounding the points makes of a line.
+        let area = |t: &[usize]| {
+            let [ab, ac] = [1, 2].map(|k| (points[t[k]] - points[t[0]]) / extent);
+            cross([ab.x, ab.y], [ac.x, ac.y]).abs()
+        };
+        let measure = found.triangles.chunks_exact(3).map(area).fold(0.0, |sum, a| sum + a);
+        let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        let coarseness = if extent > 0.0 { largest / extent } else { 0.0 };
+        let limit = 4.0 * f64::EPSILON * (1.0 + coarseness);
+        if !(measure > limit) {
+            let what = "triangulation: control points on one line";
+            return Err(Error::Degenerate { what, measure, limit });
+        }
         let corners = used.iter().filter(|u| **u).count();
-        if corners < points.len() || found.is_empty() {
+        if corners < points.len() {
             return Err(Error::Degenerate {
-                what: "triangulation: control points on one line, or not distinct",
-                measure: corners as f64 / points.len() as f64,
-                limit: 1.0,
+                what: "triangulation: control points that coincide",
+                measure: corners as f64,
+                limit: points.len() as f64,
             });
         }
         let (corners, points) = (found.triangles, points.to_vec());
