@@ -56,7 +56,7 @@
 //! | [`geometry`] | planes, rays, rotations, poses, projection matrices, homographies, the Earth |
 //! | [`camera`] | the sensor contracts, collinearity with its partial derivatives, interior and exterior orientation, lenses |
 //! | [`adjust`] | cameras and points from measurements: resection, intersection, orientation, with reports |
-//! | [`mapping`] | maps from screen to texture: fractional-linear, polynomial, composed; spans |
+//! | [`mapping`] | maps from screen to texture: fractional-linear, polynomial, piecewise, composed; registration; spans |
 //! | [`resample`] | borrowed pictures, filters, borders, a picture through a map |
 //! | [`texturer`] | the reference scanline texturer |
 //! | [`interop`] | nalgebra to glam and back |

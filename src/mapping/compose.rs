@@ -81,6 +81,12 @@ impl<D: Distortion> DistortMap<D> {
     pub fn new(camera: CentralCamera<Gnomonic, D>) -> Self {
         Self { camera }
     }
+
+    /// The camera whose lens it is.
+    #[must_use]
+    pub fn camera(&self) -> &CentralCamera<Gnomonic, D> {
+        &self.camera
+    }
 }
 
 impl<D: Distortion> Map for DistortMap<D> {

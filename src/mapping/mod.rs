@@ -4,32 +4,54 @@
 //! the top-left corner of the top-left pixel. A map answers point by point in `f64`, and row by row through
 //! [`Map::row`], which a renderer can call to fill buffers of its own.
 //!
+//! | map | from |
+//! | --- | --- |
+//! | [`FractionalLinear`], [`CantrellPlane`] | a plane and two cameras, four points |
+//! | [`PhotographMap`], [`CentralPhotographMap`], [`SensorMap`] | a surface and two sensors, lenses included |
+//! | [`DistortMap`], [`UndistortMap`], [`Composed`] | a lens; one map after another |
+//! | [`polynomial`], [`piecewise`], [`ThinPlate`] | control points; [`registration`] fits and compares them |
+//! | [`LookupTable`] | what another program computed, pixel by pixel |
+//! | [`Approximated`] | another map that is too slow, within a tolerance |
+//!
+//! [`shader`] writes maps for graphics processors.
+//!
 #![doc = include_str!("../../docs/figures/mapping.svg")]
 
 mod affine;
+mod approximated;
+mod blocks;
 mod cantrell;
 mod central;
 mod compose;
+mod control;
 mod footprint;
 mod fractional_linear;
+mod lookup_table;
 pub mod perspective_bilinear;
+pub mod piecewise;
 pub mod polynomial;
+pub mod registration;
 mod row;
 mod sensor;
+pub mod shader;
 pub mod span;
+mod thin_plate;
 
 use core::fmt::Debug;
 use core::ops::Range;
 
 use nalgebra::{Matrix2, Point2};
 
+pub use approximated::{Approximated, ApproximationReport};
 pub use cantrell::CantrellPlane;
 pub use central::{CentralMap, CentralPhotographMap};
 pub use compose::{Composed, DistortMap, PhotographMap, UndistortMap};
 pub use footprint::{FootprintBlock, FootprintSink};
 pub use fractional_linear::FractionalLinear;
+pub use lookup_table::{LookupTable, TextureOrigin};
 pub use row::{RowCoords, Run};
 pub use sensor::SensorMap;
+pub use thin_plate::ThinPlate;
 
 use crate::error::ProjectionError;
 
@@ -103,7 +125,7 @@ pub trait Map: Debug + Send + Sync {
                 #[inline(always)]
                 || span.walk(valid, |x, [u, v]| emit(x, u, v)),
             ),
-            None => pointwise_blocks(|p| self.at(p), line, samples, emit),
+            None => blocks::pointwise(|p| self.at(p), line, samples, emit),
         }
     }
 
@@ -150,31 +172,29 @@ pub trait Map: Debug + Send + Sync {
     }
 }
 
-/// A row by its pixels, one at a time.
-fn pointwise_blocks(
-    at: impl Fn(&Point2<f64>) -> Result<Point2<f64>, ProjectionError>,
-    line: i32,
-    samples: Range<i32>,
-    emit: &mut BlockSink<'_>,
-) {
-    let y = f64::from(line) + 0.5;
-    let (mut u, mut v) = ([0.0; span::BLOCK], [0.0; span::BLOCK]);
-    let (mut first, mut count) = (samples.start, 0);
-    for x in samples {
-        let point = at(&Point2::new(f64::from(x) + 0.5, y)).ok();
-        if count == span::BLOCK || (count > 0 && point.is_none()) {
-            emit(first, &u[..count], &v[..count]);
-            count = 0;
-        }
-        if let Some(p) = point {
-            if count == 0 {
-                first = x;
-            }
-            (u[count], v[count]) = (p.x, p.y);
-            count += 1;
-        }
+/// A borrowed map is a map.
+impl<M: Map + ?Sized> Map for &M {
+    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        (**self).at(screen)
     }
-    if count > 0 {
-        emit(first, &u[..count], &v[..count]);
+
+    fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+        (**self).jacobian(screen)
+    }
+
+    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
+        (**self).blocks(line, samples, emit);
+    }
+
+    fn footprints(&self, line: i32, samples: Range<i32>, emit: &mut FootprintSink<'_>) {
+        (**self).footprints(line, samples, emit);
+    }
+
+    fn span(&self, line: i32, samples: Range<i32>) -> Option<(span::Span<2>, Range<i32>)> {
+        (**self).span(line, samples)
+    }
+
+    fn row(&self, line: i32, samples: Range<i32>, out: &mut RowCoords) {
+        (**self).row(line, samples, out);
     }
 }

@@ -66,3 +66,10 @@ pub(crate) fn wrap(x: f64, period: f64) -> f64 {
     let r = x - floor(x / period) * period;
     if r >= period || r < 0.0 { 0.0 } else { r }
 }
+
+/// The power of two p for which p · `size` lies in [1, 2); one for zero, infinity and numbers near the ends of the range.
+#[inline]
+pub(crate) fn unit_power(size: f64) -> f64 {
+    let exponent = (size.to_bits() >> 52) & 0x7ff;
+    if (1..2046).contains(&exponent) { f64::from_bits((2046 - exponent) << 52) } else { 1.0 }
+}

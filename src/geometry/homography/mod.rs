@@ -22,7 +22,7 @@ pub use robust::RobustHomography;
 
 use super::Affine2;
 use crate::error::{Error, ProjectionError};
-use crate::numeric::float;
+use crate::numeric::float::{self, unit_power};
 use crate::numeric::scalar::Scalar;
 use crate::numeric::twofold::{Twofold, determinant};
 
@@ -256,13 +256,6 @@ struct Equilibrated {
     columns: [f64; 3],
     cofactors: Matrix3<f64>,
     determinant: f64,
-}
-
-/// The power of two p for which p · `size` lies in [1, 2); one for zero, infinity and numbers near the ends of the range.
-#[inline]
-fn unit_power(size: f64) -> f64 {
-    let exponent = (size.to_bits() >> 52) & 0x7ff;
-    if (1..2046).contains(&exponent) { f64::from_bits((2046 - exponent) << 52) } else { 1.0 }
 }
 
 /// The cofactors and the determinant, each to a few roundings, of a matrix that is not singular.

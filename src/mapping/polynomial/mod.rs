@@ -34,7 +34,7 @@ use crate::error::{Error, ProjectionError};
 use crate::numeric::scalar::Scalar;
 
 /// The exponents (i, j) of the terms `XⁱYʲ`, in the order of table 2.
-const EXPONENTS: [(usize, usize); 10] =
+pub(super) const EXPONENTS: [(usize, usize); 10] =
     [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2), (2, 1), (1, 2), (3, 0), (0, 3)];
 
 /// A rectangle by its centre and half sides.
@@ -42,6 +42,16 @@ const EXPONENTS: [(usize, usize); 10] =
 struct Rectangle {
     centre: [f64; 2],
     half: [f64; 2],
+}
+
+/// A polynomial as it is evaluated: offset + Σ (aₖ, bₖ) φₖ((X − centre) / half).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terms<'a> {
+    pub(super) centre: [f64; 2],
+    pub(super) half: [f64; 2],
+    pub(super) offset: [f64; 2],
+    pub(super) a: &'a [f64],
+    pub(super) b: &'a [f64],
 }
 
 impl Rectangle {
@@ -149,6 +159,11 @@ impl<const N: usize> Polynomial<N> {
         if m.iter().all(|c| c.is_finite()) { Ok(m) } else { Err(ProjectionError::NotFinite) }
     }
 
+    fn terms(&self) -> Terms<'_> {
+        let Rectangle { centre, half } = self.frame;
+        Terms { centre, half, offset: self.offset, a: &self.a, b: &self.b }
+    }
+
     /// The coefficients in raw X and Y, by the binomial theorem.
     fn coefficients(&self) -> [[f64; N]; 2] {
         const CHOOSE: [[f64; 4]; 4] = [
@@ -211,6 +226,10 @@ macro_rules! polynomial_map {
             pub fn with_domain(mut self, low: &Point2<f64>, high: &Point2<f64>) -> Result<Self, Error> {
                 self.0.set_domain(low, high)?;
                 Ok(self)
+            }
+
+            pub(super) fn terms(&self) -> Terms<'_> {
+                self.0.terms()
             }
 
             /// The map with the least sum of squared residuals at the control points: image ≈ map(object).
