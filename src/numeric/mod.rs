@@ -15,4 +15,6 @@ pub(crate) mod triangular;
 pub(crate) mod twofold;
 mod vector;
 
-pub(crate) use vector::{vectorised, vectorised_by_half};
+pub(crate) use vector::vectorised;
+#[cfg(feature = "std")]
+pub(crate) use vector::vectorised_by_half;
