@@ -9,6 +9,7 @@
 //! | `collinear intersect` | [`intersect::run`] |
 //! | `collinear adjust` | [`block::BlockFile`], [`given::Given`], [`adjust::run`] |
 //! | `collinear project` | [`project::project`], [`project::ground`] |
+//! | `collinear warp` | [`warp::Job`] |
 //! | `collinear overlay` | [`overlay::Overlay`] |
 //! | `collinear convert` | [`convert::write`] |
 //!
@@ -35,5 +36,6 @@ pub mod reproject;
 pub mod resect;
 pub mod residuals;
 pub mod rpc;
+pub mod warp;
 
 pub use picture::{LARGEST_AREA, LARGEST_SIDE, check_size};

@@ -21,7 +21,7 @@ struct Program {
 }
 
 const ABOUT: &str = "Photographs and cameras: poses and points by adjustment, new views, panoramas and domes, rectified \
-façades, projected points, wire frames, camera files of other programs";
+façades, warped pictures, projected points, wire frames, camera files of other programs";
 
 const AFTER: &str = "\
 Image coordinates are pixels from the top-left corner of the top-left pixel, x right, y down; its \
@@ -36,6 +36,7 @@ enum Command {
     Render(command::render::Arguments),
     Rectify(command::rectify::Arguments),
     Reproject(command::reproject::Arguments),
+    Warp(command::warp::Arguments),
     Resect(command::resect::Arguments),
     Intersect(command::intersect::Arguments),
     Adjust(command::adjust::Arguments),
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => arguments.run(),
         Command::Rectify(arguments) => arguments.run(),
         Command::Reproject(arguments) => arguments.run(),
+        Command::Warp(arguments) => arguments.run(),
         Command::Resect(arguments) => arguments.run(),
         Command::Intersect(arguments) => arguments.run(),
         Command::Adjust(arguments) => arguments.run(),

@@ -47,6 +47,19 @@ fn help_tells_what_a_command_does_and_in_which_units() {
                 "line of sight",
             ],
         ),
+        (
+            "warp",
+            &[
+                "--map",
+                "--quad",
+                "--filter",
+                "--border",
+                "--light",
+                "--threads",
+                "(0.5, 0.5)",
+                "ewa",
+            ],
+        ),
         ("project", &["POINTS.csv", "--inverse", "id, X, Y, Z, x, y, status", "behind", "pixels"]),
         (
             "resect",

@@ -16,3 +16,4 @@ mod reproject;
 mod resect;
 mod support;
 mod town;
+mod warp;

@@ -144,7 +144,8 @@ impl Curve {
 
 impl Coding {
     /// Whether filters can weigh the samples as they stand.
-    fn is_plain(self) -> bool {
+    #[must_use]
+    pub fn is_plain(self) -> bool {
         self.light == Light::Linear && self.alpha != Alpha::Straight
     }
 
@@ -199,11 +200,71 @@ impl Coding {
     }
 }
 
+/// The light of a picture, as far as each pixel is opaque: the samples of one in `f32` without padding, 0 to 1.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for opacity in a picture of one or three channels.
+pub fn light_of<T: Sample, const C: usize>(
+    picture: ImageView<'_, T, C>,
+    coding: Coding,
+) -> Result<Vec<f32>, Error> {
+    coding.check::<C>()?;
+    let curve = Curve::new::<T>(coding.light);
+    let height = picture.height();
+    let mut lights = Vec::with_capacity(picture.width() * height * C);
+    for row in (0..height).filter_map(|y| picture.row(y)) {
+        let (pixels, _) = row.as_chunks::<C>();
+        lights.extend(pixels.iter().flat_map(|pixel| coding.decode(&curve, pixel)));
+    }
+    Ok(lights)
+}
+
+/// The reverse of [`light_of`]: pixels whose light is no number are left alone.
+///
+/// # Errors
+/// As [`light_of`], and [`Error::LengthMismatch`] where the lights are not those of such a picture.
+pub fn samples_of<T: Sample, const C: usize>(
+    lights: &[f32],
+    coding: Coding,
+    picture: &mut ImageViewMut<'_, T, C>,
+) -> Result<(), Error> {
+    coding.check::<C>()?;
+    let (width, height) = (picture.width(), picture.height());
+    if lights.len() != width * height * C {
+        let (left, right) = (lights.len(), width * height * C);
+        return Err(Error::LengthMismatch { what: "lights and picture", left, right });
+    }
+    let curve = Curve::new::<T>(coding.light);
+    let (lights, _) = lights.as_chunks::<C>();
+    for (y, lights) in lights.chunks(width.max(1)).enumerate() {
+        let (pixels, _) = picture.row_mut(y).as_chunks_mut::<C>();
+        for (pixel, light) in pixels.iter_mut().zip(lights) {
+            if light.iter().all(|light| !light.is_nan()) {
+                *pixel = coding.encode(&curve, light);
+            }
+        }
+    }
+    Ok(())
+}
+
+impl Border {
+    /// The same border of the light of such pictures: see [`light_of`].
+    #[must_use]
+    pub fn by_light<T: Sample, const C: usize>(self, coding: Coding) -> Self {
+        let Self::Constant(_) = self else { return self };
+        let light = coding.decode(&Curve::new::<T>(coding.light), &self.constant::<T, C>());
+        let mut values = [0.0; 4];
+        values[..C].copy_from_slice(&light);
+        Self::Constant(values)
+    }
+}
+
 /// [`warp`] by light and opacity, whatever the samples stand for.
 ///
 /// Samples become light in `f32`, multiplied by their opacity; that is warped, divided by the opacity it has become and
 /// turned into samples again. A border's constant is a pixel like others. It takes sixteen bytes a pixel of four
-/// channels, of both pictures, and some 10 ns a pixel; where nothing is to be turned it is [`warp`].
+/// channels, of both pictures; where nothing is to be turned it is [`warp`]. [`light_of`] and [`samples_of`] are its
+/// halves, to go with [`warp_area`](super::warp_area) or anything else between them.
 ///
 /// *Accuracy.* Every sample of 8 or 16 bits comes back as itself where it is not filtered. A pixel whose opacity is below
 /// 2⁻²³ becomes clear black. Pixels that become no number are left alone.
@@ -246,35 +307,12 @@ pub fn warp_by_light<T: Sample, const C: usize>(
         warp(source, map, filter, border, target);
         return Ok(());
     }
-    let curve = Curve::new::<T>(coding.light);
-    let (width, height) = (source.width(), source.height());
-    let mut lights = Vec::with_capacity(width * height * C);
-    for row in (0..height).filter_map(|y| source.row(y)) {
-        let (pixels, _) = row.as_chunks::<C>();
-        lights.extend(pixels.iter().flat_map(|pixel| coding.decode(&curve, pixel)));
-    }
-    let lights = ImageView::<f32, C>::new(&lights, width, height)?;
-    let border = match border {
-        Border::Constant(_) => {
-            let light = coding.decode(&curve, &border.constant::<T, C>());
-            let mut values = [0.0; 4];
-            values[..C].copy_from_slice(&light);
-            Border::Constant(values)
-        }
-        other => other,
-    };
+    let lights = light_of(source, coding)?;
+    let lights = ImageView::<f32, C>::new(&lights, source.width(), source.height())?;
     let (width, height) = (target.width(), target.height());
     // What stays so was not painted.
     let mut made = alloc::vec![f32::NAN; width * height * C];
-    warp(lights, map, filter, border, &mut ImageViewMut::<f32, C>::new(&mut made, width, height)?);
-    let (made, _) = made.as_chunks::<C>();
-    for (y, made) in made.chunks(width.max(1)).enumerate() {
-        let (pixels, _) = target.row_mut(y).as_chunks_mut::<C>();
-        for (pixel, light) in pixels.iter_mut().zip(made) {
-            if light.iter().all(|light| !light.is_nan()) {
-                *pixel = coding.encode(&curve, light);
-            }
-        }
-    }
-    Ok(())
+    let mut view = ImageViewMut::<f32, C>::new(&mut made, width, height)?;
+    warp(lights, map, filter, border.by_light::<T, C>(coding), &mut view);
+    samples_of(&made, coding, target)
 }

@@ -47,7 +47,7 @@ pub use area::{
 pub use border::Border;
 pub use filter::{Cubic, Filter};
 pub use image::{ImageView, ImageViewMut, Sample};
-pub use light::{Alpha, Coding, Light, warp_by_light};
+pub use light::{Alpha, Coding, Light, light_of, samples_of, warp_by_light};
 pub use sampler::sample;
 pub use warp::warp;
 

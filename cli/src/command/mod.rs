@@ -11,6 +11,7 @@ pub(crate) mod render;
 pub(crate) mod reproject;
 pub(crate) mod resect;
 mod residuals;
+pub(crate) mod warp;
 
 use std::fmt::{self, Display};
 use std::io::{IsTerminal, Write};
@@ -18,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use clap::ValueEnum;
+use collinear::nalgebra::Point2;
 use collinear::resample::{Border, Filter};
 use collinear_cli::check_size;
 use collinear_io::Document;
@@ -138,6 +140,22 @@ impl Size {
     }
 }
 
+/// Four points.
+pub(crate) type Quad = [Point2<f64>; 4];
+
+/// Four points x,y parted by spaces.
+pub(crate) fn quad(text: &str) -> Result<Quad, String> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    let point = |t: &str| {
+        let (x, y) = t.split_once(',')?;
+        Some(Point2::new(number(x)?, number(y)?))
+    };
+    let points: Option<Vec<_>> = text.split_whitespace().map(point).collect();
+    points.and_then(|p| Quad::try_from(p).ok()).ok_or_else(|| {
+        "expected four points x,y parted by spaces, as \"120,80 900,40 910,700 100,650\"".into()
+    })
+}
+
 /// A colour between pixels.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(crate) enum FilterChoice {
@@ -180,18 +198,18 @@ impl BorderChoice {
         }))
     }
 
-    /// The border of a picture to write: without a choice transparent in a PNG and black in a JPEG. A transparent one is refused where
+    /// The border of a picture to write: without a choice black in a JPEG and transparent elsewhere. A transparent one is refused where
     /// the output cannot be.
     pub(crate) fn of(choice: Option<Self>, output: &Path) -> Result<Border> {
-        let png = PictureFormat::from_path(output)? == PictureFormat::Png;
+        let jpeg = PictureFormat::from_path(output)? == PictureFormat::Jpeg;
         match choice {
-            Some(Self(Border::Transparent)) if !png => {
-                let reason = "a JPEG has no opacity: write a PNG, or give another --border";
+            Some(Self(Border::Transparent)) if jpeg => {
+                let reason = "a JPEG has no opacity: write a PNG or TIFF, or give another --border";
                 Err(UsageError(reason.into()).into())
             }
             Some(Self(border)) => Ok(border),
-            None if png => Ok(Border::Transparent),
-            None => Ok(Border::Constant([0.0; 4])),
+            None if jpeg => Ok(Border::Constant([0.0; 4])),
+            None => Ok(Border::Transparent),
         }
     }
 }

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow};
 use clap::{ArgGroup, Args};
-use collinear::nalgebra::Point2;
 use collinear_cli::lookup::Drawn;
 use collinear_cli::rectify::{Rectification, footprint, size_at};
 use collinear_io::Document;
@@ -15,7 +14,8 @@ use collinear_io::sensor::SensorFile;
 use collinear_io::write_atomically;
 
 use super::{
-    BorderChoice, Files, FilterChoice, Size, in_file, picture_path, positive, say, with_bar,
+    BorderChoice, Files, FilterChoice, Quad, Size, in_file, picture_path, positive, quad, say,
+    with_bar,
 };
 
 /// Turn a plane of the world, as a façade, face-on
@@ -65,7 +65,7 @@ pub(crate) struct Arguments {
     filter: FilterChoice,
 
     /// What lies beyond the photograph: `transparent`, `constant:R,G,B`, `clamp`, `repeat` or `mirror`.
-    /// Without it transparent in a PNG and black in a JPEG
+    /// Without it black in a JPEG and transparent elsewhere
     #[arg(long, value_name = "BORDER", value_parser = BorderChoice::parse)]
     border: Option<BorderChoice>,
 
@@ -94,20 +94,6 @@ Examples:
 
 Exit codes: 0 done; 1 failed (an old OUT is left as it was); 2 wrong usage, as an output that is an \
 input too.";
-
-type Quad = [Point2<f64>; 4];
-
-fn quad(text: &str) -> Result<Quad, String> {
-    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-    let point = |t: &str| {
-        let (x, y) = t.split_once(',')?;
-        Some(Point2::new(number(x)?, number(y)?))
-    };
-    let points: Option<Vec<_>> = text.split_whitespace().map(point).collect();
-    points.and_then(|p| Quad::try_from(p).ok()).ok_or_else(|| {
-        "expected four points x,y parted by spaces, as \"120,80 900,40 910,700 100,650\"".into()
-    })
-}
 
 impl Arguments {
     pub(crate) fn run(&self) -> Result<()> {

@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
     filter: FilterChoice,
 
     /// What lies beyond the picture: `transparent`, `constant:R,G,B`, `clamp`, `repeat` or `mirror`.
-    /// Without it transparent in a PNG and black in a JPEG
+    /// Without it black in a JPEG and transparent elsewhere
     #[arg(long, value_name = "BORDER", value_parser = BorderChoice::parse)]
     border: Option<BorderChoice>,
 }
