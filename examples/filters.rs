@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --features simd --example filters -- [FOLDER]` writes the pictures to FOLDER, or to `target/filters`, and
 //! prints how far each filter is from the mean of 256 lookups a pixel: the PSNR over all pixels whose areas are within the
-//! picture, and over those of them where it is minified four times or more, with the time of a call.
+//! picture, and over those of them where it is minified four times or more, with the time of a call. `filters.png` among them is
+//! docs/pictures/filters.png.
 
 use std::error::Error;
 use std::fs;
@@ -28,7 +29,12 @@ fn main() -> Result<(), Failure> {
     fs::create_dir_all(&folder)?;
     let mut out = std::io::stdout().lock();
     let map = to_the_horizon()?;
-    for (name, texels) in [("zone", zone_plate()), ("text", text()), ("landscape", landscape())] {
+    let mut sheet = Sheet::new();
+    for (column, (name, texels)) in
+        [("zone", zone_plate()), ("text", text()), ("landscape", landscape())]
+            .into_iter()
+            .enumerate()
+    {
         write(&folder.join(name), &texels)?;
         let view = ImageView::<u8, 1>::new(&texels, SIZE[0], SIZE[1])?;
         let reference = painted(|target| {
@@ -36,14 +42,52 @@ fn main() -> Result<(), Failure> {
             warp_supersampled(view, &map, grid, Filter::Bilinear, Border::Clamp, target);
         })?;
         write(&folder.join(format!("{name}-reference")), &reference)?;
+        sheet.add(column, SHOWN.len(), &reference);
         writeln!(out, "{name:<42}    all    far        ms")?;
         for (filter, pixels, milliseconds) in every_filter(view, &map)? {
-            write(&folder.join(format!("{name}-{}", filter.replace([' ', ','], "-"))), &pixels)?;
+            write(
+                &folder.join(format!("{name}-{}", filter.replace([' ', ',', '.'], "-"))),
+                &pixels,
+            )?;
+            if let Some(row) = SHOWN.iter().position(|shown| *shown == filter) {
+                sheet.add(column, row, &pixels);
+            }
             let [all, far] = psnr(&map, &pixels, &reference);
             writeln!(out, "    {filter:<38} {all:6.2} {far:6.2} {milliseconds:9.1}")?;
         }
     }
-    Ok(())
+    write_sized(&folder.join("filters"), &sheet.pixels, Sheet::SIZE)
+}
+
+/// The filters of docs/pictures/filters.png, from above; below them stands the reference.
+const SHOWN: [&str; 5] =
+    ["nearest", "bilinear", "Lanczos 3", "trilinear", "elliptical, axes up to 16"];
+
+/// What some filters make of the first two pictures just below the horizon, on one sheet.
+struct Sheet {
+    pixels: Vec<u8>,
+}
+
+impl Sheet {
+    const PART: [usize; 2] = [440, 80];
+    const GAP: usize = 6;
+    const SIZE: [usize; 2] = [2 * Self::PART[0] + Self::GAP, 6 * (Self::PART[1] + Self::GAP)];
+
+    fn new() -> Self {
+        Self { pixels: vec![255; Self::SIZE[0] * Self::SIZE[1]] }
+    }
+
+    fn add(&mut self, column: usize, row: usize, pixels: &[u8]) {
+        let [w, h] = Self::PART;
+        if column > 1 {
+            return;
+        }
+        for y in 0..h {
+            let from = (SIZE[1] / 4 + 12 + y) * SIZE[0] + (SIZE[0] - w) / 2;
+            let to = (row * (h + Self::GAP) + y) * Self::SIZE[0] + column * (w + Self::GAP);
+            self.pixels[to..to + w].copy_from_slice(&pixels[from..from + w]);
+        }
+    }
 }
 
 /// A plane seen from above its near edge, with the horizon at a quarter of the height: 4 times magnified below, minified 7.5 and 41
@@ -206,8 +250,12 @@ fn random(seed: u64) -> u64 {
 }
 
 fn write(path: &Path, pixels: &[u8]) -> Result<(), Failure> {
+    write_sized(path, pixels, SIZE)
+}
+
+fn write_sized(path: &Path, pixels: &[u8], [width, height]: [usize; 2]) -> Result<(), Failure> {
     let file = fs::File::create(path.with_extension("png"))?;
-    let mut encoder = png::Encoder::new(file, SIZE[0] as u32, SIZE[1] as u32);
+    let mut encoder = png::Encoder::new(file, width as u32, height as u32);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header()?.write_image_data(pixels)?;
     Ok(())
