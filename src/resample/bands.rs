@@ -20,7 +20,7 @@ pub(super) fn for_each_band<T: Sample, S, const C: usize>(
     }
     let (samples, stride) = target.samples_mut();
     let mut bands: Vec<(i32, &mut [T])> =
-        (0..).step_by(BAND).zip(samples.chunks_mut(BAND * stride)).collect();
+        (0..).step_by(BAND).zip(samples.chunks_mut(BAND.saturating_mul(stride))).collect();
     let paint_band = |state: &mut S, (line, band): &mut (i32, &mut [T])| {
         let mut rows: Vec<&mut [T]> =
             band.chunks_mut(stride).map(|row| &mut row[..width]).collect();

@@ -47,7 +47,7 @@ fn pixels_between_two_are_those_of_srgbs_formulas() {
         let coding = Coding { light, alpha };
         let full = case["full"].as_f64().unwrap();
         let samples: Vec<f64> =
-            case["pixels"].as_array().unwrap().iter().flat_map(|pixel| numbers(pixel)).collect();
+            case["pixels"].as_array().unwrap().iter().flat_map(numbers).collect();
         let fraction = case["fraction"].as_f64().unwrap();
         let expected = numbers(&case["expected"]);
         let floats: Vec<f32> = samples.iter().map(|s| (s / full) as f32).collect();

@@ -400,3 +400,19 @@ fn any_number_of_threads_paints_the_same_bytes() {
         assert!(painted(threads) == one, "{threads} threads");
     }
 }
+
+/// A single row may be stated with any stride.
+#[test]
+fn a_row_with_an_absurd_stride_is_a_row() {
+    let samples = [10u8, 20, 30, 40];
+    let view = ImageView::<u8, 1>::with_stride(&samples, 4, 1, usize::MAX / 2).unwrap();
+    for filter in FILTERS {
+        let mut pixels = [0u8; 4];
+        let mut target = ImageViewMut::<u8, 1>::with_stride(&mut pixels, 4, 1, usize::MAX).unwrap();
+        let same = Affine2::from_coefficients([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        warp(view, &same, filter, Border::Clamp, &mut target);
+        if filter != Filter::Bicubic(Cubic::MITCHELL) {
+            assert_eq!(pixels, samples, "{filter:?}");
+        }
+    }
+}
