@@ -15,7 +15,7 @@ use collinear::resample::{
     light_of, samples_of, warp, warp_area,
 };
 use collinear_io::map::MapFile;
-use collinear_io::picture::Picture;
+use collinear_io::picture::{Picture, PictureFormat};
 use rayon::ThreadPool;
 
 /// Rows painted between two reports of progress.
@@ -52,6 +52,8 @@ pub struct Job {
     pub beyond: Beyond,
     /// What its samples mean.
     pub light: Light,
+    /// The format it is written in, which may have no opacity, or none of grey.
+    pub format: PictureFormat,
 }
 
 /// The map of a file.
@@ -82,38 +84,54 @@ pub fn map_of_quad(corners: &[Point2<f64>; 4], width: u32, height: u32) -> Resul
     Ok(Box::new(FractionalLinear::from_homography(&homography)))
 }
 
-/// How many pixels of the new picture look into the old one, and the first one that does not.
-fn inside(map: &dyn Map, job: &Job, size: [u32; 2]) -> (u64, Option<[u32; 2]>) {
-    let [w, h] = size.map(f64::from);
-    let (mut count, mut outside) = (0, None);
+/// Where the pixels of a new picture look.
+struct Found {
+    /// How many into the old one.
+    inside: u64,
+    /// How many anywhere at all.
+    somewhere: u64,
+    /// Column and row of the first one that does not look into it.
+    outside: Option<[u32; 2]>,
+}
+
+/// Half of what positions are rounded to before they are looked up.
+const ROUNDING: f64 = 1.0 / 8_589_934_592.0;
+
+fn inside(map: &dyn Map, job: &Job, size: [u32; 2]) -> Found {
+    let [w, h] = size.map(|n| -ROUNDING..f64::from(n) - ROUNDING);
+    let mut found = Found { inside: 0, somewhere: 0, outside: None };
     for y in 0..job.height {
         let mut next = 0;
-        let mut look = |x: u32, is_inside: bool| {
-            if is_inside {
-                count += 1;
-            } else if outside.is_none() {
-                outside = Some([x, y]);
-            }
-        };
         map.blocks(y as i32, 0..job.width as i32, &mut |x, u, v| {
-            (next..x as u32).for_each(|x| look(x, false));
             for (x, (u, v)) in (x as u32..).zip(u.iter().zip(v)) {
-                look(x, (0.0..w).contains(u) && (0.0..h).contains(v));
+                if x > next {
+                    found.outside = found.outside.or(Some([next, y]));
+                }
                 next = x + 1;
+                found.somewhere += 1;
+                if w.contains(u) && h.contains(v) {
+                    found.inside += 1;
+                } else {
+                    found.outside = found.outside.or(Some([x, y]));
+                }
             }
         });
-        (next..job.width).for_each(|x| look(x, false));
+        if next < job.width {
+            found.outside = found.outside.or(Some([next, y]));
+        }
     }
-    (count, outside)
+    found
 }
 
 impl Job {
     /// Paints the new picture, with the old one's channels; and how many of its pixels look into the old one.
     ///
-    /// On the threads of a pool. Opacity is taken for what it is: colours are weighed by it. `progress` is called with the rows done and all rows.
+    /// On the threads of a pool. Opacity is taken for what it is: colours are weighed by it; grey becomes colour where
+    /// the border or the format asks for it. `progress` is called with the rows done and all rows.
     ///
     /// # Errors
-    /// A picture whose samples do not fill it; a map that leads no pixel into it; where nothing may lie beyond it, a pixel
+    /// A picture whose samples do not fill it; a map that leads no pixel into it before a transparent border,
+    /// or none anywhere; opacity in a JPEG; where nothing may lie beyond it, a pixel
     /// that looks there.
     pub fn paint(
         &self,
@@ -122,44 +140,63 @@ impl Job {
         map: &dyn Map,
         progress: &dyn Fn(usize, usize),
     ) -> Result<(Picture, u64)> {
-        let (seen, outside) = inside(map, self, [picture.width, picture.height]);
+        let found = inside(map, self, [picture.width, picture.height]);
         let all = u64::from(self.width) * u64::from(self.height);
-        if seen == 0 {
-            bail!("the map leads none of the {} × {} pixels into it", self.width, self.height);
-        }
-        let border = match (self.beyond, outside) {
+        let border = match (self.beyond, found.outside) {
             (Beyond::Refused, Some([x, y])) => bail!(
                 "{} of {all} pixels look beyond it, the first in column {x} of row {y}",
-                all - seen
+                all - found.inside
             ),
             (Beyond::Refused, None) => Border::Clamp,
             (Beyond::Border(border), _) => border,
         };
-        let clear = border == Border::Transparent && outside.is_some();
-        let data = match (picture.channels, clear) {
-            (1, false) => self.run::<1>(pool, &picture.data, picture, map, border, progress),
-            (3, false) => self.run::<3>(pool, &picture.data, picture, map, border, progress),
-            (1, true) => self.run::<2>(pool, &opaque::<1>(picture), picture, map, border, progress),
-            (3, true) => self.run::<4>(pool, &opaque::<3>(picture), picture, map, border, progress),
-            (2, _) => self.run::<2>(pool, &picture.data, picture, map, border, progress),
-            (4, _) => self.run::<4>(pool, &picture.data, picture, map, border, progress),
-            (other, _) => bail!("has {other} channels, 1 to 4 are read"),
-        }?;
-        let channels = (data.len() as u64 / all) as u8;
         let (width, height) = (self.width, self.height);
-        Ok((Picture { width, height, channels, data, orientation: 1 }, seen))
+        if found.inside == 0 && border == Border::Transparent {
+            bail!("the map leads none of the {width} × {height} pixels into it");
+        }
+        if found.somewhere == 0 {
+            bail!("the map leads none of the {width} × {height} pixels anywhere");
+        }
+        let given = picture.channels;
+        if !(1..=4).contains(&given) {
+            bail!("has {given} channels, 1 to 4 are read");
+        }
+        let clear = border == Border::Transparent && found.outside.is_some();
+        let opacity = given.is_multiple_of(2) || clear;
+        if opacity && self.format == PictureFormat::Jpeg {
+            bail!("has opacity, which no JPEG has: write a PNG or TIFF");
+        }
+        let coloured = matches!(border, Border::Constant([r, g, b, _]) if r != g || g != b);
+        let with_grey = self.format == PictureFormat::Png || !opacity;
+        let channels = if given > 2 || coloured || !with_grey { 3 } else { 1 } + u8::from(opacity);
+        let border = match border {
+            // Grey and its opacity.
+            Border::Constant([grey, ..]) if channels == 2 => {
+                Border::Constant([grey, 255.0, 0.0, 0.0])
+            }
+            other => other,
+        };
+        let spread = (channels != given).then(|| with_channels(picture, channels.into()));
+        let samples = spread.as_deref().unwrap_or(&picture.data);
+        let size = [picture.width as usize, picture.height as usize];
+        let data = match channels {
+            1 => self.run::<1>(pool, samples, size, map, border, progress),
+            2 => self.run::<2>(pool, samples, size, map, border, progress),
+            3 => self.run::<3>(pool, samples, size, map, border, progress),
+            _ => self.run::<4>(pool, samples, size, map, border, progress),
+        }?;
+        Ok((Picture { width, height, channels, data, orientation: 1 }, found.inside))
     }
 
     fn run<const C: usize>(
         &self,
         pool: &ThreadPool,
         data: &[u8],
-        picture: &Picture,
+        [w, h]: [usize; 2],
         map: &dyn Map,
         border: Border,
         progress: &dyn Fn(usize, usize),
     ) -> Result<Vec<u8>> {
-        let (w, h) = (picture.width as usize, picture.height as usize);
         let view = ImageView::<u8, C>::new(data, w, h)?;
         let alpha = if C.is_multiple_of(2) { Alpha::Straight } else { Alpha::None };
         let coding = Coding { light: self.light, alpha };
@@ -194,12 +231,17 @@ impl Job {
     }
 }
 
-/// A picture of one sample a pixel more: opaque.
-fn opaque<const C: usize>(picture: &Picture) -> Vec<u8> {
-    let mut data = Vec::with_capacity(picture.data.len() / C * (C + 1));
-    for pixel in picture.data.chunks_exact(C) {
-        data.extend_from_slice(pixel);
-        data.push(u8::MAX);
+/// A picture's samples with more channels: grey as colour, and opaque.
+fn with_channels(picture: &Picture, channels: usize) -> Vec<u8> {
+    let given = usize::from(picture.channels);
+    let colours = channels - usize::from(channels.is_multiple_of(2));
+    let mut data = Vec::with_capacity(picture.data.len() / given * channels);
+    for pixel in picture.data.chunks_exact(given) {
+        data.extend((0..colours).filter_map(|k| pixel.get(if given > 2 { k } else { 0 })));
+        if channels > colours {
+            let opacity = pixel.last().filter(|_| given.is_multiple_of(2));
+            data.push(opacity.copied().unwrap_or(u8::MAX));
+        }
     }
     data
 }

@@ -164,3 +164,44 @@ fn maps_and_arguments_that_make_no_sense_are_refused() {
         assert!(!folder.path("out.png").exists(), "{arguments:?}");
     }
 }
+
+#[test]
+fn grey_becomes_colour_where_the_border_or_the_format_asks_for_it() {
+    let folder = with_shift();
+    let grey = Picture { width: 2, height: 1, channels: 1, data: vec![7, 9], orientation: 1 };
+    write_picture(&folder.path("grey.png"), &grey).unwrap();
+    let half = Picture { channels: 2, data: vec![7, 100, 9, 255], ..grey };
+    write_picture(&folder.path("half.png"), &half).unwrap();
+    let warp = |input: &'static str, out: &'static str, more: &[&'static str]| {
+        [&["warp", input, out, "-m", "map.json", "-f", "nearest"][..], more].concat()
+    };
+    let one =
+        r#"{"collinear": "map", "version": 1, "kind": "affine", "a": [1, 1, 0], "b": [0, 0, 1]}"#;
+    folder.write("map.json", one);
+    for (input, out, border, expected) in [
+        ("grey.png", "a.png", "constant:5,5,5", &[9, 5][..]),
+        ("grey.png", "a.png", "constant:1,2,3", &[9, 9, 9, 1, 2, 3]),
+        ("half.png", "a.png", "constant:5,5,5", &[9, 255, 5, 255]),
+        ("half.png", "a.png", "constant:1,2,3", &[9, 9, 9, 255, 1, 2, 3, 255]),
+        ("half.png", "a.tif", "repeat", &[9, 9, 9, 255, 7, 7, 7, 100]),
+        ("grey.png", "a.tif", "transparent", &[9, 9, 9, 255, 0, 0, 0, 0]),
+        ("grey.png", "a.png", "transparent", &[9, 255, 0, 0]),
+    ] {
+        folder.succeed(&warp(input, out, &["-b", border]));
+        assert_eq!(folder.picture(out).data, expected, "{input} {out} {border}");
+    }
+    let run = folder.run(&warp("half.png", "a.jpg", &[]));
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("half.png: has opacity, which no JPEG has"), "{}", run.stderr);
+    // One picture further on: nothing of it is seen but by repetition.
+    let beyond =
+        r#"{"collinear": "map", "version": 1, "kind": "affine", "a": [2, 1, 0], "b": [0, 0, 1]}"#;
+    folder.write("map.json", beyond);
+    folder.succeed(&warp("grey.png", "a.png", &["-b", "repeat", "-s", "1x1"]));
+    assert_eq!(folder.picture("a.png").data, [7]);
+    // Less than positions are rounded to beyond the edge.
+    let edge = r#"{"collinear": "map", "version": 1, "kind": "affine", "a": [-0.50000000000001, 1, 0], "b": [0, 0, 1]}"#;
+    folder.write("map.json", edge);
+    folder.succeed(&warp("grey.png", "a.png", &["-b", "error", "-s", "1x1"]));
+    assert_eq!(folder.picture("a.png").data, [7]);
+}

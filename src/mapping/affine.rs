@@ -30,6 +30,9 @@ impl Map for Affine2 {
         let (a, b) = (&self.linear, &self.translation);
         let forms = [[b.x, a.m11, a.m12], [b.y, a.m21, a.m22]];
         let span = Span::on_line(forms, [1.0, 0.0, 0.0], line).ok()?;
+        if !Span::<2>::reaches(&samples) {
+            return None;
+        }
         let valid = span.valid_interval(samples);
         Some((span, valid))
     }

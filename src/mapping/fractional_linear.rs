@@ -432,6 +432,9 @@ impl Map for FractionalLinear {
     fn span(&self, line: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {
         let [p, q, r] = self.coefficients();
         let span = Span::on_line([p, q], r, line).ok()?;
+        if !Span::<2>::reaches(&samples) {
+            return None;
+        }
         let valid = span.valid_interval(self.valid_samples(line, samples));
         Some((span, valid))
     }

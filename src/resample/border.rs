@@ -4,6 +4,8 @@ use super::image::Sample;
 
 /// What a filter reads where there is no texel.
 ///
+/// A position further away than 2³⁰ texels, or that is no number, has no value before any border.
+///
 /// ```
 /// use collinear::resample::{Border, Filter, ImageView, sample};
 /// use nalgebra::Point2;

@@ -254,7 +254,9 @@ impl Border {
         let Self::Constant(_) = self else { return self };
         let light = coding.decode(&Curve::new::<T>(coding.light), &self.constant::<T, C>());
         let mut values = [0.0; 4];
-        values[..C].copy_from_slice(&light);
+        for (value, light) in values.iter_mut().zip(light) {
+            *value = light;
+        }
         Self::Constant(values)
     }
 }

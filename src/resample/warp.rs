@@ -73,7 +73,7 @@ fn paint_band<T: Sample, const C: usize>(
         if let Some((span, valid)) = map.span(line, 0..width) {
             // A map may say anything of where it is valid.
             let start = valid.start.clamp(0, width);
-            let valid = start..valid.end.clamp(start, width);
+            let valid = span.valid_interval(start..valid.end.clamp(start, width));
             across |= pages_crossed(&span, &valid, sampler.bytes_a_row()) > PAGES;
             spans.push((row, span, valid));
         } else {

@@ -416,3 +416,46 @@ fn a_row_with_an_absurd_stride_is_a_row() {
         }
     }
 }
+
+/// Spans end at 2²⁵ pixels, rows do not.
+#[test]
+fn pixels_beyond_the_reach_of_spans_are_painted() {
+    let n = (1 << 25) + 100;
+    let view = ImageView::<u8, 1>::new(&[7, 8], 2, 1).unwrap();
+    let mut pixels = vec![0u8; n];
+    let mut target = ImageViewMut::<u8, 1>::new(&mut pixels, n, 1).unwrap();
+    let same = Affine2::from_coefficients([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    warp(view, &same, Filter::Nearest, Border::Clamp, &mut target);
+    assert_eq!(pixels[0], 7);
+    assert!(pixels[1..].iter().all(|p| *p == 8));
+}
+
+/// A map that says its rows are valid beyond their horizon.
+#[derive(Debug)]
+struct Boastful;
+
+impl Map for Boastful {
+    fn at(&self, _: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        Err(ProjectionError::NotFinite)
+    }
+
+    fn jacobian(&self, _: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+        Err(ProjectionError::NotFinite)
+    }
+
+    fn span(&self, _: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {
+        // d = 1 − x/10 is positive to pixel 9.
+        let span = Span::new([[0.5, 0.0], [0.5, 0.0]], [1.0, -0.1]).ok()?;
+        Some((span, samples))
+    }
+}
+
+#[test]
+fn a_map_that_boasts_paints_no_ghosts() {
+    let view = ImageView::<u8, 1>::new(&[7; 16], 4, 4).unwrap();
+    let mut pixels = [1u8; 100];
+    let mut target = ImageViewMut::<u8, 1>::new(&mut pixels, 100, 1).unwrap();
+    warp(view, &Boastful, Filter::Bilinear, Border::Clamp, &mut target);
+    assert_eq!(pixels[..10], [7; 10]);
+    assert_eq!(pixels[10..], [1; 90]);
+}

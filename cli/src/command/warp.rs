@@ -10,7 +10,7 @@ use collinear_cli::check_size;
 use collinear_cli::warp::{AnyFilter, Beyond, Job, map_of, map_of_quad};
 use collinear_io::Document;
 use collinear_io::map::MapFile;
-use collinear_io::picture::{read_picture, write_picture};
+use collinear_io::picture::{PictureFormat, read_picture, write_picture};
 
 use super::{
     BorderChoice, Files, Quad, Size, UsageError, in_file, picture_path, quad, say, with_bar,
@@ -60,7 +60,7 @@ pub(crate) struct Arguments {
     light: LightChoice,
 
     /// Threads; without it as many as there are processors. They change no byte
-    #[arg(short, long, value_name = "NUMBER")]
+    #[arg(short, long, value_name = "NUMBER", value_parser = threads)]
     threads: Option<NonZero<u16>>,
 }
 
@@ -77,7 +77,9 @@ trilinear, or ewa, which is sharper where it is made smaller in one direction mo
 docs/filters.md shows them all.
 
 Grey, colour and opacity stay as they are; colours are weighed by their opacity. A transparent border \
-adds it where the picture has none and the map looks beyond.";
+adds it where the picture has none and the map looks beyond. Samples of 16 bits become 8. Pixels \
+beyond a horizon, or that look further away than 2^30 pixels, look nowhere: they are clear, the \
+constant, or black.";
 
 const AFTER: &str = "\
 Examples:
@@ -132,6 +134,13 @@ fn filter(text: &str) -> Result<AnyFilter, String> {
     }
 }
 
+fn threads(text: &str) -> Result<NonZero<u16>, String> {
+    match text.parse() {
+        Ok(threads @ 1..=1024) => NonZero::new(threads).ok_or_else(String::new),
+        _ => Err("expected a whole number from 1 to 1024".into()),
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum LightChoice {
     /// Samples as they stand
@@ -172,7 +181,8 @@ impl Arguments {
             LightChoice::Srgb => Light::Srgb,
         };
         let (width, height) = (size.width, size.height);
-        let job = Job { width, height, filter: self.filter, beyond, light };
+        let format = PictureFormat::from_path(&self.output)?;
+        let job = Job { width, height, filter: self.filter, beyond, light, format };
         let threads = self.threads.map_or(0, |n| n.get().into());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let painted =

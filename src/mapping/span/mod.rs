@@ -125,6 +125,11 @@ impl<const N: usize> Span<N> {
     /// Pixels from −`PIXEL_LIMIT` to `PIXEL_LIMIT` − 1 can be evaluated.
     pub const PIXEL_LIMIT: i32 = 1 << 25;
 
+    /// Whether all of some pixels can be evaluated.
+    pub(crate) fn reaches(pixels: &Range<i32>) -> bool {
+        pixels.start >= -Self::PIXEL_LIMIT && pixels.end <= Self::PIXEL_LIMIT
+    }
+
     /// From the value of each form at pixel 0's centre and its step from pixel to pixel.
     ///
     /// # Errors
