@@ -60,6 +60,7 @@ fn the_commands_of_the_readme_run_as_they_stand() {
             "reproject",
             "rectify",
             "rectify",
+            "warp",
             "project",
             "project",
             "resect",
@@ -75,7 +76,8 @@ fn the_commands_of_the_readme_run_as_they_stand() {
         let arguments: Vec<&str> = command.iter().map(String::as_str).collect();
         let run = folder.succeed(&arguments);
         assert!(!run.stderr.contains("warning"), "{command:?}: {}", run.stderr);
-        let output = command.iter().skip_while(|a| *a != "-o").nth(1).unwrap();
+        let named = command.iter().skip_while(|a| *a != "-o").nth(1);
+        let output = named.or(command.get(2)).unwrap();
         assert!(fs::metadata(folder.path(output)).unwrap().len() > 0, "{command:?}");
     }
     // What went to the picture and back: the foot of the town hall lies in the façade's plane.
