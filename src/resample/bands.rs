@@ -1,11 +1,12 @@
 //! The rows of a picture to paint, band by band, on one thread or on those of the caller's pool.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use super::image::{ImageViewMut, Sample};
 
 /// Rows that are painted together.
-pub(super) const BAND: usize = 32;
+const BAND: usize = 32;
 
 /// Calls `paint` with what a thread works with, the number of a first row, and that row and those below it, until all rows
 /// are painted.
@@ -34,4 +35,17 @@ pub(super) fn for_each_band<T: Sample, S, const C: usize>(
     }
     let mut state = state();
     bands.iter_mut().for_each(|band| paint_band(&mut state, band));
+}
+
+/// The samples of `count` pixels from pixel `x` on that a map hands out, of a row of `len` samples of which those before `done`
+/// are painted; `None` for what is not right of what came before, or beyond the row, and so no pixel of it.
+pub(super) fn samples_at<const C: usize>(
+    x: i32,
+    count: usize,
+    done: usize,
+    len: usize,
+) -> Option<Range<usize>> {
+    let start = usize::try_from(x).ok()?.checked_mul(C)?;
+    let end = start.checked_add(count.checked_mul(C)?)?;
+    (start >= done && end <= len).then_some(start..end)
 }

@@ -11,7 +11,7 @@ use super::filter::Filter;
 use super::image::{ImageView, Sample};
 use super::located::{Located, Plan, Within};
 use super::margin::Margin;
-use super::position::LARGEST;
+use super::position::{LARGEST, whole_block};
 use super::sampler::{Prepared, Sampler};
 use super::taps::{BLOCKS, Window};
 use super::weigh::{Bilinear, BlockFilter, Nearest, Separable, Taps, Work};
@@ -219,8 +219,9 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
         v: &[f64],
         pixels: &mut [T],
     ) {
-        for (block, pixels) in pixels.chunks_mut(BLOCK * C).enumerate() {
-            let positions = [u, v].map(|all| part(all, block * BLOCK));
+        let blocks = u.chunks(BLOCK).zip(v.chunks(BLOCK));
+        for ((u, v), pixels) in blocks.zip(pixels.chunks_mut(BLOCK * C)) {
+            let positions = [whole_block(u), whole_block(v)];
             let [u, v] = &positions;
             let Scratch { located, work, pixels: scratch } = &mut *self.scratch;
             located.offsets.restrict(picture.window.limit());
@@ -261,10 +262,7 @@ impl<'a, T: Sample, const C: usize> BlockSampler<'a, T, C> {
 
     /// Paints pixels that no position is known for.
     pub(super) fn fill(&self, pixels: &mut [T]) {
-        if let Border::Constant(_) = self.single.border {
-            let (pixels, _) = pixels.as_chunks_mut::<C>();
-            pixels.fill(self.single.constant);
-        }
+        self.single.border.fill::<T, C>(pixels);
     }
 }
 
@@ -288,16 +286,4 @@ fn weigh<T: Sample, F: BlockFilter<T, C>, const C: usize>(
             }
         },
     );
-}
-
-/// The 64 positions from number `x` on, where those beyond the end repeat the last one.
-#[inline(always)]
-fn part(all: &[f64], x: usize) -> [f64; BLOCK] {
-    let all = all.get(x..).unwrap_or_default();
-    if let Some(part) = all.first_chunk() {
-        return *part;
-    }
-    let mut part = [all.last().copied().unwrap_or_default(); BLOCK];
-    part[..all.len()].copy_from_slice(all);
-    part
 }

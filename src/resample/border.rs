@@ -57,6 +57,13 @@ impl Border {
         }
     }
 
+    /// Paints pixels that no position is known for: with the constant, and not at all where there is none.
+    pub(super) fn fill<T: Sample, const C: usize>(self, pixels: &mut [T]) {
+        if let Self::Constant(_) = self {
+            pixels.as_chunks_mut::<C>().0.fill(self.constant());
+        }
+    }
+
     /// The constant in the picture's own samples; zero for the other borders.
     #[inline]
     pub(super) fn constant<T: Sample, const C: usize>(self) -> [T; C] {

@@ -2,12 +2,11 @@
 
 use crate::error::Error;
 
-use super::area::Words;
 use super::taps::Packed;
 
 /// A sample of a picture: `u8` (0 to 255), `u16` (0 to 65,535) or `f32` (any range).
 pub trait Sample:
-    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Into<f32> + Packed + Words + 'static
+    Copy + Default + Send + Sync + core::fmt::Debug + PartialEq + Into<f32> + Packed + 'static
 {
     /// Full light, full opacity: 255, 65,535 or 1.
     const FULL: f32;

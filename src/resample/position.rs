@@ -4,6 +4,8 @@
 //! fraction, which costs an addition where a conversion, a comparison and a difference would be needed otherwise. So a
 //! position that misses a texel's edge by no more than the rounding of its computation lies on it.
 
+use crate::mapping::span::BLOCK;
+
 /// 1.5 · 2²⁰: sums with numbers below 2¹⁹ have the unit 2⁻³².
 pub(super) const FIXED: f64 = 1_572_864.0;
 /// The upper half of its bits.
@@ -24,8 +26,8 @@ pub(super) fn floor(x: f64) -> i32 {
 #[inline]
 pub(super) fn split(x: f64, shift: f64) -> (i32, f32) {
     if x.abs() < LARGEST {
-        let bits = (x + (FIXED - shift)).to_bits();
-        ((((bits >> 32) as u32).wrapping_sub(FIXED_HIGH)) as i32, fraction(bits as u32))
+        let (whole, fraction) = split_near(x, shift);
+        (whole as i32, fraction)
     } else {
         let x = x - shift;
         let whole = floor(x);
@@ -34,9 +36,27 @@ pub(super) fn split(x: f64, shift: f64) -> (i32, f32) {
     }
 }
 
+/// [`split`] for |x| < [`LARGEST`]; far outside any picture for what is larger or no number.
+#[inline(always)]
+pub(super) fn split_near(x: f64, shift: f64) -> (u32, f32) {
+    let bits = (x + (FIXED - shift)).to_bits();
+    (((bits >> 32) as u32).wrapping_sub(FIXED_HIGH), fraction(bits as u32))
+}
+
 /// The fraction in the lower half of a sum's bits.
 #[inline(always)]
 pub(super) fn fraction(low: u32) -> f32 {
     // 24 bits, which f32 holds.
     (low >> 8) as i32 as f32 * UNIT
+}
+
+/// The first 64 positions of a slice, which is not empty, where those beyond its end repeat the last one.
+#[inline(always)]
+pub(super) fn whole_block(positions: &[f64]) -> [f64; BLOCK] {
+    if let Some(block) = positions.first_chunk() {
+        return *block;
+    }
+    let mut block = [positions.last().copied().unwrap_or(f64::NAN); BLOCK];
+    block[..positions.len()].copy_from_slice(positions);
+    block
 }

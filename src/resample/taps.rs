@@ -14,6 +14,10 @@ pub trait Packed: Sized {
     /// Samples in a word.
     const PER_WORD: usize;
 
+    /// The first `PER_WORD` samples as a word; zero where there are fewer.
+    #[doc(hidden)]
+    fn first_word(samples: &[Self]) -> u32;
+
     /// The `PER_WORD` samples from `at` on.
     ///
     /// # Safety
@@ -65,6 +69,10 @@ fn rounded(value: f32, most: f32) -> i32 {
 impl Packed for u8 {
     const PER_WORD: usize = 4;
     #[inline(always)]
+    fn first_word(samples: &[Self]) -> u32 {
+        samples.first_chunk().map_or(0, |s| u32::from_le_bytes(*s))
+    }
+    #[inline(always)]
     unsafe fn word(at: *const Self) -> u32 {
         // SAFETY: the caller's; an array of bytes needs no alignment.
         u32::from_le_bytes(unsafe { at.cast::<[Self; 4]>().read() })
@@ -102,6 +110,10 @@ impl Packed for u8 {
 
 impl Packed for u16 {
     const PER_WORD: usize = 2;
+    #[inline(always)]
+    fn first_word(samples: &[Self]) -> u32 {
+        samples.first_chunk().map_or(0, |[a, b]| u32::from(*a) | u32::from(*b) << 16)
+    }
     #[inline(always)]
     unsafe fn word(at: *const Self) -> u32 {
         // SAFETY: the caller's; a slice of such samples is aligned.
@@ -141,6 +153,10 @@ impl Packed for u16 {
 
 impl Packed for f32 {
     const PER_WORD: usize = 1;
+    #[inline(always)]
+    fn first_word(samples: &[Self]) -> u32 {
+        samples.first().map_or(0, |s| s.to_bits())
+    }
     #[inline(always)]
     unsafe fn word(at: *const Self) -> u32 {
         // SAFETY: the caller's.

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::bands::for_each_band;
+use super::bands::{for_each_band, samples_at};
 use super::block::{BlockSampler, Positions};
 use super::border::Border;
 use super::filter::Filter;
@@ -40,9 +40,6 @@ pub fn warp<T: Sample, const C: usize>(
     border: Border,
     target: &mut ImageViewMut<'_, T, C>,
 ) {
-    if source.width() == 0 || source.height() == 0 {
-        return;
-    }
     let sampler = || BlockSampler::new(source, filter, border);
     for_each_band(target, sampler, |sampler, line, rows| {
         if let Some(sampler) = sampler {
@@ -53,7 +50,7 @@ pub fn warp<T: Sample, const C: usize>(
 
 /// Pixels of a strip of rows that run across so many pages of the picture's memory that processors lose sight of them before
 /// the next row comes by. A multiple of a span's blocks.
-const STRIP: usize = 256;
+const STRIP: i32 = 256;
 /// A page of memory, and so many of them are kept in sight: measured, rows that touch up to 2700 suffer from strips, and rows
 /// that touch 3800 take two thirds of the time with them, or half.
 const PAGE: f64 = 4096.0;
@@ -68,8 +65,8 @@ fn paint_band<T: Sample, const C: usize>(
 ) {
     let mut spans: Vec<(&mut [T], Span<2>, Range<i32>)> = Vec::with_capacity(rows.len());
     let mut across = false;
+    let width = rows.first().map_or(0, |row| row.len() / C) as i32;
     for (row, line) in rows.iter_mut().zip(line..) {
-        let width = (row.len() / C) as i32;
         if let Some((span, valid)) = map.span(line, 0..width) {
             // A map may say anything of where it is valid.
             let start = valid.start.clamp(0, width);
@@ -80,15 +77,14 @@ fn paint_band<T: Sample, const C: usize>(
             paint_by_blocks(sampler, map, line, row);
         }
     }
-    let widest = spans.iter().map(|(row, ..)| row.len() / C).max().unwrap_or(0);
-    let strip = if across { STRIP } else { widest.max(1) };
-    for x in (0..widest).step_by(strip) {
+    let strip = if across { STRIP } else { width.max(1) };
+    for x in (0..width).step_by(strip as usize) {
+        let end = width.min(x.saturating_add(strip));
         for (row, span, valid) in &mut spans {
-            let end = (x + strip).min(row.len() / C);
-            let row = &mut row[x * C..end * C];
-            let start = valid.start.clamp(x as i32, end as i32);
-            let valid = start..valid.end.clamp(start, end as i32);
-            let (before, rest) = row.split_at_mut((start as usize - x) * C);
+            let row = &mut row[x as usize * C..end as usize * C];
+            let start = valid.start.clamp(x, end);
+            let valid = start..valid.end.clamp(start, end);
+            let (before, rest) = row.split_at_mut((start - x) as usize * C);
             let (seen, after) = rest.split_at_mut(valid.len() * C);
             sampler.fill(before);
             sampler.paint(&Positions::Span(*span, valid), seen);
@@ -99,7 +95,7 @@ fn paint_band<T: Sample, const C: usize>(
 
 /// How many pages the positions of a row touch, of a picture with so many bytes a row.
 fn pages_crossed(span: &Span<2>, valid: &Range<i32>, bytes: usize) -> f64 {
-    if valid.len() <= STRIP {
+    if valid.len() <= STRIP as usize {
         return 0.0;
     }
     let [first, last] = [valid.start, valid.end - 1].map(|x| span.at(x));
@@ -116,15 +112,11 @@ fn paint_by_blocks<T: Sample, const C: usize>(
 ) {
     let mut done = 0;
     map.blocks(line, 0..(row.len() / C) as i32, &mut |x, u, v| {
-        let start = usize::try_from(x).unwrap_or(usize::MAX).saturating_mul(C);
-        let end = start.saturating_add(u.len().min(v.len()).saturating_mul(C));
-        // What is not right of what came before, or beyond the row, is no pixel of it.
-        if start < done || end > row.len() {
-            return;
-        }
-        sampler.fill(&mut row[done..start]);
-        sampler.paint(&Positions::Each(u, v), &mut row[start..end]);
-        done = end;
+        let count = u.len().min(v.len());
+        let Some(place) = samples_at::<C>(x, count, done, row.len()) else { return };
+        sampler.fill(&mut row[done..place.start]);
+        done = place.end;
+        sampler.paint(&Positions::Each(u, v), &mut row[place]);
     });
     sampler.fill(&mut row[done..]);
 }

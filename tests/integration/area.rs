@@ -10,7 +10,7 @@ use collinear::resample::{
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{BORDERS, numbers};
+use crate::support::{BORDERS, noise, numbers, same_as_lookups};
 
 const FILTERS: [AreaFilter; 4] = [
     AreaFilter::NearestLevel,
@@ -185,60 +185,40 @@ fn maps(case: &Case) -> [FractionalLinear; 2] {
 
 fn agree<T: Sample, const C: usize>(case: &Case, of: impl Fn(u32) -> T) {
     let [width, height] = case.size;
-    let mut random = case.seed | 1;
-    let mut next = || {
-        random ^= random << 13;
-        random ^= random >> 17;
-        random ^= random << 5;
-        of(random)
-    };
+    let mut next = noise(case.seed, of);
     let samples: Vec<T> = (0..width * height * C).map(|_| next()).collect();
     let view = ImageView::<T, C>::new(&samples, width, height).unwrap();
     let pyramid = Pyramid::with_ratio(view, case.ratio).unwrap();
     let border = BORDERS[case.border];
-    let constant = |k: usize| match border {
-        Border::Constant(values) => Some(T::from_f32(values[k])),
-        _ => None,
-    };
     let [tw, th] = case.target;
     for (number, map) in maps(case).iter().enumerate() {
         for filter in FILTERS {
             let before: Vec<T> = (0..tw * th * C).map(|_| next()).collect();
-            let mut pixels = before.clone();
-            let mut target = ImageViewMut::<T, C>::new(&mut pixels, tw, th).unwrap();
-            warp_area(&pyramid, map, filter, border, &mut target);
-            let mut expected = before;
-            for y in 0..th {
-                let row = &mut expected[y * tw * C..(y + 1) * tw * C];
-                let mut found = vec![None; tw];
-                map.footprints(y as i32, 0..tw as i32, &mut |block| {
-                    for i in 0..block.u.len() {
-                        let [us, vs, ul, vl] = [
-                            block.by_sample[0][i],
-                            block.by_sample[1][i],
-                            block.by_line[0][i],
-                            block.by_line[1][i],
-                        ];
-                        let pixel = Footprint {
-                            position: Point2::new(block.u[i], block.v[i]),
-                            jacobian: Matrix2::new(us, ul, vs, vl),
-                        };
-                        found[block.x as usize + i] = sample_area(&pyramid, &pixel, filter, border);
-                    }
-                });
-                for (pixel, value) in row.chunks_exact_mut(C).zip(found) {
-                    for (k, sample) in pixel.iter_mut().enumerate() {
-                        *sample = value.map(|v| v[k]).or(constant(k)).unwrap_or(*sample);
-                    }
-                }
-            }
-            if let Some(i) = pixels.iter().zip(&expected).position(|(p, e)| p != e) {
-                let (x, y) = (i / C % tw, i / C / tw);
-                let (value, expected) = (pixels[i], expected[i]);
-                panic!(
-                    "map {number}, {filter:?}, {border:?}: {value:?} and not {expected:?} at {x}, {y} of {C} channels"
-                );
-            }
+            same_as_lookups::<T, C>(
+                &format!("map {number}, {filter:?}"),
+                case.target,
+                before,
+                border,
+                |target| warp_area(&pyramid, map, filter, border, target),
+                |y, found| {
+                    map.footprints(y, 0..tw as i32, &mut |block| {
+                        for i in 0..block.u.len() {
+                            let [us, vs, ul, vl] = [
+                                block.by_sample[0][i],
+                                block.by_sample[1][i],
+                                block.by_line[0][i],
+                                block.by_line[1][i],
+                            ];
+                            let pixel = Footprint {
+                                position: Point2::new(block.u[i], block.v[i]),
+                                jacobian: Matrix2::new(us, ul, vs, vl),
+                            };
+                            found[block.x as usize + i] =
+                                sample_area(&pyramid, &pixel, filter, border);
+                        }
+                    });
+                },
+            );
         }
     }
 }

@@ -8,26 +8,17 @@ use nalgebra::{Matrix2, Point2, Vector2};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::numbers;
+use crate::support::{numbers, point2, points2};
 
 fn oracles() -> Value {
     serde_json::from_str(include_str!("../data/oracles/piecewise.json")).unwrap()
-}
-
-fn point(v: &Value) -> Point2<f64> {
-    let n = numbers(v);
-    Point2::new(n[0], n[1])
-}
-
-fn points(v: &Value) -> Vec<Point2<f64>> {
-    v.as_array().unwrap().iter().map(point).collect()
 }
 
 #[test]
 fn triangles_and_values_are_those_of_scipy() {
     let mut outside = 0;
     for case in oracles()["cases"].as_array().unwrap() {
-        let (screen, texture) = (points(&case["screen"]), points(&case["texture"]));
+        let (screen, texture) = (points2(&case["screen"]), points2(&case["texture"]));
         let affine = PiecewiseAffine::new(&screen, &texture).unwrap();
         let mut triangles = affine.triangles();
         triangles.iter_mut().for_each(|t| t.sort_unstable());
@@ -41,13 +32,13 @@ fn triangles_and_values_are_those_of_scipy() {
             assert!(difference.amax() < 1e-12, "{difference}");
         }
         for c in case["checks"].as_array().unwrap() {
-            let p = point(&c["screen"]);
+            let p = point2(&c["screen"]);
             for (map, name) in [(&affine as &dyn Map, "affine"), (&cubic, "cubic")] {
                 if c[name].is_null() {
                     outside += 1;
                     assert!(matches!(map.at(&p), Err(ProjectionError::OutsideDomain { .. })));
                 } else {
-                    let difference = map.at(&p).unwrap() - point(&c[name]);
+                    let difference = map.at(&p).unwrap() - point2(&c[name]);
                     assert!(difference.norm() < 1e-10, "{name} {p} {difference}");
                 }
             }
@@ -59,11 +50,11 @@ fn triangles_and_values_are_those_of_scipy() {
 #[test]
 fn a_grid_of_bilinears_is_that_of_scipy() {
     let case = &oracles()["grid"];
-    let spacing = point(&case["spacing"]).coords;
-    let nodes = points(&case["nodes"]);
-    let grid = BilinearGrid::new(point(&case["origin"]), spacing, 5, &nodes).unwrap();
+    let spacing = point2(&case["spacing"]).coords;
+    let nodes = points2(&case["nodes"]);
+    let grid = BilinearGrid::new(point2(&case["origin"]), spacing, 5, &nodes).unwrap();
     for c in case["checks"].as_array().unwrap() {
-        let difference = grid.at(&point(&c["screen"])).unwrap() - point(&c["texture"]);
+        let difference = grid.at(&point2(&c["screen"])).unwrap() - point2(&c["texture"]);
         assert!(difference.norm() < 1e-11, "{difference}");
     }
 }
@@ -244,7 +235,7 @@ fn slopes_of_triangles_by_hand() {
 
 #[test]
 fn a_quadratic_with_its_gradients_is_reproduced() {
-    let screen = points(&oracles()["cases"][0]["screen"]);
+    let screen = points2(&oracles()["cases"][0]["screen"]);
     let f =
         |p: &Point2<f64>| Point2::new(1e-3 * p.x * p.y - p.y, 2e-3 * p.x * p.x + 1e-3 * p.y * p.y);
     let slope =
@@ -262,7 +253,7 @@ fn a_quadratic_with_its_gradients_is_reproduced() {
 #[test]
 fn far_coordinates_lose_nothing_but_their_own_digits() {
     let case = &oracles()["cases"][1];
-    let (screen, texture) = (points(&case["screen"]), points(&case["texture"]));
+    let (screen, texture) = (points2(&case["screen"]), points2(&case["texture"]));
     let shift = Vector2::new(2_097_152.0, 4_194_304.0);
     let far: Vec<_> = screen.iter().map(|p| p + shift).collect();
     for (near, far) in [
@@ -298,8 +289,8 @@ fn grids_are_refused_sampled_and_walked() {
     assert!(matches!(bad, Err(Error::NotFinite { .. })));
     let bad = BilinearGrid::new(origin, spacing, 2, &[Point2::new(f64::INFINITY, 0.0); 4]);
     assert!(matches!(bad, Err(Error::NotFinite { .. })));
-    let screen = points(&oracles()["cases"][1]["screen"]);
-    let texture = points(&oracles()["cases"][1]["texture"]);
+    let screen = points2(&oracles()["cases"][1]["screen"]);
+    let texture = points2(&oracles()["cases"][1]["texture"]);
     let map = collinear::mapping::polynomial::Cubic::fit(&screen, &texture).unwrap().map;
     let grid = BilinearGrid::sampled(&map, 100, 80, 16).unwrap();
     rows_equal_points(&grid);

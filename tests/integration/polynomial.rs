@@ -10,19 +10,10 @@ use nalgebra::{Matrix2, Matrix3, Point2, Vector3};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::numbers;
+use crate::support::{numbers, point2, points2};
 
 fn oracles() -> Value {
     serde_json::from_str(include_str!("../data/oracles/polynomial.json")).unwrap()
-}
-
-fn point(v: &Value) -> Point2<f64> {
-    let n = numbers(v);
-    Point2::new(n[0], n[1])
-}
-
-fn points(v: &Value) -> Vec<Point2<f64>> {
-    v.as_array().unwrap().iter().map(point).collect()
 }
 
 #[test]
@@ -37,12 +28,12 @@ fn fits_in_map_coordinates_of_a_million_metres_equal_a_50_digit_solution() {
         }
         assert!(fit.condition > 1.0 && fit.condition < 100.0, "{}", fit.condition);
         for c in case["checks"].as_array().unwrap() {
-            let difference = fit.map.at(&point(&c["object"])).unwrap() - point(&c["image"]);
+            let difference = fit.map.at(&point2(&c["object"])).unwrap() - point2(&c["image"]);
             assert!(difference.norm() < 1e-9, "{difference}");
         }
     }
     for case in oracles()["fits"].as_array().unwrap() {
-        let (object, image) = (points(&case["object"]), points(&case["image"]));
+        let (object, image) = (points2(&case["object"]), points2(&case["image"]));
         match case["terms"].as_u64().unwrap() {
             4 => check(&Bilinear::fit(&object, &image).unwrap(), case),
             6 => check(&Quadratic::fit(&object, &image).unwrap(), case),
@@ -54,7 +45,7 @@ fn fits_in_map_coordinates_of_a_million_metres_equal_a_50_digit_solution() {
 #[test]
 fn residuals_are_image_minus_map() {
     let case = &oracles()["fits"][3];
-    let (object, image) = (points(&case["object"]), points(&case["image"]));
+    let (object, image) = (points2(&case["object"]), points2(&case["image"]));
     let fit = Cubic::fit(&object, &image).unwrap();
     for ((o, i), r) in object.iter().zip(&image).zip(&fit.residuals) {
         assert!((i - fit.map.at(o).unwrap() - r).norm() < 1e-12);
@@ -344,9 +335,9 @@ fn a_patch_in_perspective_equals_a_50_digit_solution() {
         let map =
             PerspectiveBilinear::new(&corners.try_into().unwrap(), [size[0], size[1]]).unwrap();
         for c in case["checks"].as_array().unwrap() {
-            let screen = point(&c["screen"]);
+            let screen = point2(&c["screen"]);
             // The corners x w ~ 10⁵ round at 10⁻¹¹; the Jacobian is about 0.2 texels a pixel.
-            let difference = map.at(&screen).unwrap() - point(&c["texture"]);
+            let difference = map.at(&screen).unwrap() - point2(&c["texture"]);
             assert!(difference.norm() < 1e-10, "{difference}");
             let expected: Vec<_> =
                 c["jacobian"].as_array().unwrap().iter().flat_map(numbers).collect();

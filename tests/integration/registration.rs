@@ -7,7 +7,7 @@ use collinear::mapping::registration::{Folds, MapModel, compare, cross_validate}
 use nalgebra::{Point2, Vector2};
 use serde_json::Value;
 
-use crate::support::numbers;
+use crate::support::{point2, points2};
 
 const MODELS: [MapModel; 9] = [
     MapModel::Affine,
@@ -25,25 +25,16 @@ fn oracles() -> Value {
     serde_json::from_str(include_str!("../data/oracles/registration.json")).unwrap()
 }
 
-fn point(v: &Value) -> Point2<f64> {
-    let n = numbers(v);
-    Point2::new(n[0], n[1])
-}
-
-fn points(v: &Value) -> Vec<Point2<f64>> {
-    v.as_array().unwrap().iter().map(point).collect()
-}
-
 #[test]
 fn residuals_and_predictions_are_those_of_numpy_and_scipy() {
     let oracles = oracles();
-    let (screen, texture) = (points(&oracles["screen"]), points(&oracles["texture"]));
+    let (screen, texture) = (points2(&oracles["screen"]), points2(&oracles["texture"]));
     for model in MODELS {
         let case = &oracles["models"][model.to_string()];
         // The general optimiser stops at about the square root of rounding.
         let tolerance = if model == MapModel::Projective { 1e-5 } else { 1e-8 };
         let near = |found: Option<Vector2<f64>>, expected: &Value, what: &str| {
-            let expected = (!expected.is_null()).then(|| point(expected).coords);
+            let expected = (!expected.is_null()).then(|| point2(expected).coords);
             match (found, expected) {
                 (Some(f), Some(e)) => assert!((f - e).norm() < tolerance, "{model} {what} {f} {e}"),
                 (f, e) => assert_eq!(f.is_some(), e.is_some(), "{model} {what}"),
@@ -67,7 +58,7 @@ fn residuals_and_predictions_are_those_of_numpy_and_scipy() {
                 near(*r, e, name);
             }
             let known: Vec<f64> =
-                expected.iter().filter(|e| !e.is_null()).map(|e| point(e).coords.norm()).collect();
+                expected.iter().filter(|e| !e.is_null()).map(|e| point2(e).coords.norm()).collect();
             let rms = (known.iter().map(|r| r * r).sum::<f64>() / known.len() as f64).sqrt();
             assert!((cross.rms - rms).abs() < tolerance && cross.predicted == known.len());
             let largest = known.iter().copied().fold(0.0, f64::max);
@@ -79,14 +70,14 @@ fn residuals_and_predictions_are_those_of_numpy_and_scipy() {
 #[test]
 fn models_are_sorted_by_what_they_predict_at_common_points() {
     let oracles = oracles();
-    let (screen, texture) = (points(&oracles["screen"]), points(&oracles["texture"]));
+    let (screen, texture) = (points2(&oracles["screen"]), points2(&oracles["texture"]));
     let table = compare(&MODELS, &screen, &texture, Folds::LeaveOneOut).unwrap();
     let rms: Vec<f64> = table.candidates.iter().map(|c| c.common_rms).collect();
     assert!(rms.is_sorted(), "{rms:?}");
     assert!(table.common.len() > 10 && table.common.len() < 24);
     for c in &table.candidates {
         let all = &oracles["models"][c.model.to_string()]["leave_one_out"];
-        let sum: f64 = table.common.iter().map(|&i| point(&all[i]).coords.norm_squared()).sum();
+        let sum: f64 = table.common.iter().map(|&i| point2(&all[i]).coords.norm_squared()).sum();
         let expected = (sum / table.common.len() as f64).sqrt();
         assert!((c.common_rms - expected).abs() < 1e-5, "{}", c.model);
     }
@@ -100,7 +91,7 @@ fn models_are_sorted_by_what_they_predict_at_common_points() {
 
 #[test]
 fn a_map_of_the_models_own_kind_is_predicted_exactly() {
-    let screen = points(&oracles()["screen"]);
+    let screen = points2(&oracles()["screen"]);
     let texture: Vec<_> = screen
         .iter()
         .map(|p| {

@@ -8,32 +8,23 @@ use nalgebra::{Matrix2, Point2, Vector2};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::numbers;
+use crate::support::{numbers, point2, points2};
 
 fn oracles() -> Value {
     serde_json::from_str(include_str!("../data/oracles/thin_plate.json")).unwrap()
 }
 
-fn point(v: &Value) -> Point2<f64> {
-    let n = numbers(v);
-    Point2::new(n[0], n[1])
-}
-
-fn points(v: &Value) -> Vec<Point2<f64>> {
-    v.as_array().unwrap().iter().map(point).collect()
-}
-
 #[test]
 fn a_thin_plate_is_that_of_forty_digits_and_of_scipy() {
     for case in oracles()["cases"].as_array().unwrap() {
-        let (screen, texture) = (points(&case["screen"]), points(&case["texture"]));
+        let (screen, texture) = (points2(&case["screen"]), points2(&case["texture"]));
         let map = ThinPlate::fit(&screen, &texture, case["smoothing"].as_f64().unwrap()).unwrap();
         let far = screen[0].coords.amax() > 1e6;
         for c in case["checks"].as_array().unwrap() {
-            let p = point(&c["screen"]);
-            let difference = map.at(&p).unwrap() - point(&c["texture"]);
+            let p = point2(&c["screen"]);
+            let difference = map.at(&p).unwrap() - point2(&c["texture"]);
             assert!(difference.norm() < if far { 1e-8 } else { 1e-10 }, "{difference}");
-            assert!((map.at(&p).unwrap() - point(&c["scipy"])).norm() < 1e-8);
+            assert!((map.at(&p).unwrap() - point2(&c["scipy"])).norm() < 1e-8);
             let j = numbers(&c["jacobian"]);
             let difference = map.jacobian(&p).unwrap() - Matrix2::new(j[0], j[1], j[2], j[3]);
             assert!(difference.amax() < if far { 1e-10 } else { 1e-12 }, "{difference}");

@@ -10,7 +10,7 @@ use collinear::nalgebra::{Matrix2, Point2};
 use collinear::resample::{Border, Cubic, Filter, ImageView, ImageViewMut, Sample, sample, warp};
 use proptest::prelude::*;
 
-use crate::support::BORDERS;
+use crate::support::{BORDERS, noise, same_as_lookups};
 
 const FILTERS: [Filter; 7] = [
     Filter::Nearest,
@@ -95,50 +95,29 @@ fn maps(case: &Case) -> [Box<dyn Map>; 3] {
 fn agree<T: Sample, const C: usize>(case: &Case, of: impl Fn(u32) -> T) {
     let [width, height] = case.size;
     let stride = width * C + case.padding;
-    let mut random = case.seed | 1;
-    let mut next = || {
-        random ^= random << 13;
-        random ^= random >> 17;
-        random ^= random << 5;
-        of(random)
-    };
+    let mut next = noise(case.seed, of);
     let samples: Vec<T> =
         (0..stride * (height - 1) + width * C + case.spare).map(|_| next()).collect();
     let view = ImageView::<T, C>::with_stride(&samples, width, height, stride).unwrap();
     let border = BORDERS[case.border];
-    let constant = |k: usize| match border {
-        Border::Constant(values) => Some(T::from_f32(values[k])),
-        _ => None,
-    };
     let [tw, th] = case.target;
     for (number, map) in maps(case).iter().enumerate() {
         for filter in FILTERS {
             let before: Vec<T> = (0..tw * th * C).map(|_| next()).collect();
-            let mut pixels = before.clone();
-            let mut target = ImageViewMut::<T, C>::new(&mut pixels, tw, th).unwrap();
-            warp(view, map.as_ref(), filter, border, &mut target);
-            let mut expected = before;
-            for y in 0..th {
-                let row = &mut expected[y * tw * C..(y + 1) * tw * C];
-                let mut found = vec![None; tw];
-                map.blocks(y as i32, 0..tw as i32, &mut |x, u, v| {
-                    for ((found, u), v) in found[x as usize..].iter_mut().zip(u).zip(v) {
-                        *found = sample(view, &Point2::new(*u, *v), filter, border);
-                    }
-                });
-                for (pixel, value) in row.chunks_exact_mut(C).zip(found) {
-                    for (k, sample) in pixel.iter_mut().enumerate() {
-                        *sample = value.map(|v| v[k]).or(constant(k)).unwrap_or(*sample);
-                    }
-                }
-            }
-            if let Some(i) = pixels.iter().zip(&expected).position(|(p, e)| p != e) {
-                let (x, y) = (i / C % tw, i / C / tw);
-                let (value, expected) = (pixels[i], expected[i]);
-                panic!(
-                    "map {number}, {filter:?}, {border:?}: {value:?} and not {expected:?} at {x}, {y} of {C} channels"
-                );
-            }
+            same_as_lookups::<T, C>(
+                &format!("map {number}, {filter:?}"),
+                case.target,
+                before,
+                border,
+                |target| warp(view, map.as_ref(), filter, border, target),
+                |y, found| {
+                    map.blocks(y, 0..tw as i32, &mut |x, u, v| {
+                        for ((found, u), v) in found[x as usize..].iter_mut().zip(u).zip(v) {
+                            *found = sample(view, &Point2::new(*u, *v), filter, border);
+                        }
+                    });
+                },
+            );
         }
     }
 }
@@ -320,19 +299,20 @@ fn rows_along_an_edge_are_their_lookups_one_by_one() {
     fn check<T: Sample>(view: ImageView<'_, T, 3>, map: &Affine2, filter: Filter, border: Border) {
         let (tw, th) = (400, 90);
         let before = vec![T::from_f32(77.0); tw * th * 3];
-        let mut pixels = before.clone();
-        let mut target = ImageViewMut::<T, 3>::new(&mut pixels, tw, th).unwrap();
-        warp(view, map, filter, border, &mut target);
-        for y in 0..th {
-            map.blocks(y as i32, 0..tw as i32, &mut |x, u, v| {
-                for (i, (u, v)) in u.iter().zip(v).enumerate() {
-                    let at = (y * tw + x as usize + i) * 3;
-                    let value = sample(view, &Point2::new(*u, *v), filter, border);
-                    let expected = value.unwrap_or([T::from_f32(77.0); 3]);
-                    assert_eq!(pixels[at..at + 3], expected, "{filter:?} {border:?} {u} {v}");
-                }
-            });
-        }
+        same_as_lookups::<T, 3>(
+            &format!("{filter:?}"),
+            [tw, th],
+            before,
+            border,
+            |target| warp(view, map, filter, border, target),
+            |y, found| {
+                map.blocks(y, 0..tw as i32, &mut |x, u, v| {
+                    for ((found, u), v) in found[x as usize..].iter_mut().zip(u).zip(v) {
+                        *found = sample(view, &Point2::new(*u, *v), filter, border);
+                    }
+                });
+            },
+        );
     }
     for map in &maps {
         for filter in FILTERS {

@@ -18,23 +18,10 @@ use crate::numeric::vectorised;
 use crate::resample::border::Border;
 use crate::resample::image::Sample;
 use crate::resample::kernel::bilinear;
+use crate::resample::position::{LARGEST, split_near, whole_block};
 
 /// A number for each pixel of a block.
 type Each<V> = [V; BLOCK];
-
-/// 1.5 · 2²⁰ less half a texel: sums with positions below 2¹⁹ have the unit 2⁻³² (as in `position`).
-const FIXED: f64 = 1_572_864.0 - 0.5;
-const FIXED_HIGH: u32 = 0x4138_0000;
-/// The longest side for which they serve.
-const LONGEST: usize = 524_288;
-
-/// The texel centre before a position and the fraction behind it; far outside any level for what is too large or no number.
-#[inline(always)]
-fn split(x: f64) -> (u32, f32) {
-    let bits = (x + FIXED).to_bits();
-    let fraction = ((bits as u32) >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
-    (((bits >> 32) as u32).wrapping_sub(FIXED_HIGH), fraction)
-}
 
 /// The levels of a block's pixels.
 #[repr(align(64))]
@@ -178,8 +165,8 @@ impl Scratch {
         let Self { position, levels, inside, outside, fraction, offsets, below, .. } = self;
         for i in 0..BLOCK {
             let [w, h] = [levels.size[0][i], levels.size[1][i]];
-            let (x, fu) = split(position[0][i] * levels.scale[0][i]);
-            let (y, fv) = split(position[1][i] * levels.scale[1][i]);
+            let (x, fu) = split_near(position[0][i] * levels.scale[0][i], 0.5);
+            let (y, fv) = split_near(position[1][i] * levels.scale[1][i], 0.5);
             fraction[0][i] = fu;
             fraction[1][i] = fv;
             // Two texels a row and two rows.
@@ -223,7 +210,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         let single = Lookup::new(pyramid, filter, border)?;
         let [w, h] = single.places[0].size;
         let countable = u32::try_from(single.samples.len()).is_ok();
-        let blocks = countable && (w.max(h) as usize) < LONGEST;
+        let blocks = countable && f64::from(w.max(h)) < LARGEST;
         Some(Self { single, scratch: Scratch::new(), blocks })
     }
 
@@ -234,7 +221,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         let [us, vs] = block.by_sample;
         let [ul, vl] = block.by_line;
         for (to, from) in scratch.position.iter_mut().zip([block.u, block.v]) {
-            *to = filled(from);
+            *to = whole_block(from);
         }
         if self.single.border == Border::Repeat {
             // So that every repetition but its edges is within the picture.
@@ -244,7 +231,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
                 }
             }
         }
-        let [us, vs, ul, vl] = [us, vs, ul, vl].map(filled);
+        let [us, vs, ul, vl] = [us, vs, ul, vl].map(whole_block);
         for i in 0..BLOCK {
             let Derivatives(d) = Derivatives::new([us[i], vs[i], ul[i], vl[i]]);
             for k in 0..4 {
@@ -257,8 +244,9 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
             AreaFilter::NearestLevel | AreaFilter::Trilinear => self.weigh_levels(),
             AreaFilter::Ewa { .. } => self.weigh_ellipses(),
         }
-        self.store(count, pixels);
-        self.mend(block, pixels);
+        if !self.store(count, pixels) {
+            self.mend(block, pixels);
+        }
     }
 
     /// Bilinear in one level or in two.
@@ -333,7 +321,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         for axis in 0..2 {
             for i in 0..BLOCK {
                 let at = scratch.position[axis][i] * scratch.levels.scale[axis][i];
-                let (whole, fraction) = split(at);
+                let (whole, fraction) = split_near(at, 0.5);
                 corner[axis][i] = whole as i32;
                 fractions[axis][i] = fraction;
             }
@@ -352,7 +340,7 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
             let [w, h] = scratch.levels.size.each_ref().map(|n| n[i] as i32);
             let (x, y) = (corner[0][i], corner[1][i]);
             // Positions that cannot be split are far from any texel, and sums with them may wrap.
-            let near = |k: i32| k.wrapping_add(LONGEST as i32) as u32 <= 2 * LONGEST as u32;
+            let near = |k: i32| k.wrapping_add(LARGEST as i32) as u32 <= 2 * LARGEST as u32;
             let known = near(x) & near(y);
             let [x_left, x_right] = [x.wrapping_add(left), x.wrapping_add(right)];
             let [y_top, y_bottom] = [y.wrapping_add(top), y.wrapping_add(bottom)];
@@ -416,9 +404,9 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
         }
     }
 
-    /// The values to the pixels.
+    /// The values to those pixels all of whose texels are within their levels; whether all pixels are such.
     #[inline(always)]
-    fn store(&self, count: usize, pixels: &mut [T]) {
+    fn store(&self, count: usize, pixels: &mut [T]) -> bool {
         let Scratch { inside, values, .. } = &*self.scratch;
         let mut all = 1;
         for within in inside {
@@ -447,19 +435,13 @@ impl<'a, T: Sample, const C: usize> PyramidPainter<'a, T, C> {
                 }
             }
         }
+        all == 1
     }
 
-    /// Pixels not all of whose texels are within their levels.
+    /// The other pixels.
     #[inline(never)]
     fn mend(&self, block: &FootprintBlock<'_>, pixels: &mut [T]) {
         let Scratch { inside, outside, .. } = &*self.scratch;
-        let mut all = 1;
-        for within in inside {
-            all &= within;
-        }
-        if all == 1 {
-            return;
-        }
         let constant = matches!(self.single.border, Border::Constant(_));
         for (i, pixel) in pixels.chunks_exact_mut(C).enumerate().take(block.u.len()) {
             if inside[i] == 1 {
@@ -500,7 +482,7 @@ impl Scratch {
                 for k in 0..C {
                     // Floats may be infinite where they have no weight.
                     let texel = texels.sample::<T, C>(t, k, i);
-                    let texel = if T::IN_WORD == 1 && !counts { 0.0 } else { texel };
+                    let texel = if T::PER_WORD == 1 && !counts { 0.0 } else { texel };
                     sums[k] += weight * texel;
                 }
             }
@@ -533,19 +515,6 @@ impl<T: Sample, const C: usize> Paint<T> for PyramidPainter<'_, T, C> {
     }
 
     fn fill(&self, pixels: &mut [T]) {
-        if let Border::Constant(_) = self.single.border {
-            pixels.as_chunks_mut::<C>().0.fill(self.single.constant);
-        }
+        self.single.border.fill::<T, C>(pixels);
     }
-}
-
-/// All of a block, where those beyond the end repeat the last one.
-#[inline(always)]
-fn filled(part: &[f64]) -> Each<f64> {
-    if let Some(all) = part.first_chunk() {
-        return *all;
-    }
-    let mut all = [part.last().copied().unwrap_or(f64::NAN); BLOCK];
-    all[..part.len()].copy_from_slice(part);
-    all
 }

@@ -21,5 +21,3 @@ pub use summed::{SummedAreaTable, TableFilter};
 pub use supersample::{Supersampling, warp_supersampled};
 pub use volume::VolumePyramid;
 pub use warp::{AreaSource, sample_area, warp_area};
-
-pub(super) use texel::Words;

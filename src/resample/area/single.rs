@@ -8,18 +8,15 @@ use crate::resample::image::Sample;
 use nalgebra::{Matrix2, Point2};
 
 /// A source whose rows are lookups one by one.
-pub(super) struct OneByOne<'a, S, F> {
+pub(super) struct OneByOne<'a, S, F, const C: usize> {
     pub(super) source: &'a S,
     pub(super) filter: F,
     pub(super) border: Border,
 }
 
-/// A source that [`OneByOne`] paints, with its number of channels.
-pub(super) struct Painter<'a, S, F, const C: usize>(pub(super) OneByOne<'a, S, F>);
-
-impl<T: Sample, S: AreaSource<T, C>, const C: usize> Paint<T> for Painter<'_, S, S::Filter, C> {
+impl<T: Sample, S: AreaSource<T, C>, const C: usize> Paint<T> for OneByOne<'_, S, S::Filter, C> {
     fn paint(&mut self, block: &FootprintBlock<'_>, pixels: &mut [T]) {
-        let OneByOne { source, filter, border } = self.0;
+        let Self { source, filter, border } = *self;
         for (i, pixel) in pixels.chunks_exact_mut(C).enumerate().take(block.u.len()) {
             let [us, vs] = block.by_sample.map(|d| d[i]);
             let [ul, vl] = block.by_line.map(|d| d[i]);
@@ -35,8 +32,6 @@ impl<T: Sample, S: AreaSource<T, C>, const C: usize> Paint<T> for Painter<'_, S,
     }
 
     fn fill(&self, pixels: &mut [T]) {
-        if let Border::Constant(_) = self.0.border {
-            pixels.as_chunks_mut::<C>().0.fill(self.0.border.constant());
-        }
+        self.border.fill::<T, C>(pixels);
     }
 }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::marker::PhantomData;
 
 use super::lookup::Footprint;
-use super::single::{OneByOne, Painter};
+use super::single::OneByOne;
 use super::warp::{AreaSource, Paint};
 use crate::mapping::RowCoords;
 use crate::resample::border::Border;
@@ -237,7 +237,7 @@ impl<T: Sample, const C: usize> AreaSource<T, C> for SummedAreaTable<T, C> {
         filter: TableFilter,
         border: Border,
     ) -> Option<Box<dyn Paint<T> + 'a>> {
-        let painter = Painter::<_, _, C>(OneByOne { source: self, filter, border });
+        let painter = OneByOne::<_, _, C> { source: self, filter, border };
         (!self.size.contains(&0)).then(|| Box::new(painter) as Box<dyn Paint<T> + 'a>)
     }
 }

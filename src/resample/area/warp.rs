@@ -5,7 +5,7 @@ use alloc::boxed::Box;
 use super::lookup::Footprint;
 use crate::mapping::span::BLOCK;
 use crate::mapping::{FootprintBlock, Map};
-use crate::resample::bands::for_each_band;
+use crate::resample::bands::{for_each_band, samples_at};
 use crate::resample::border::Border;
 use crate::resample::image::{ImageViewMut, Sample};
 
@@ -91,15 +91,11 @@ pub fn warp_area<S: AreaSource<T, C> + Sync, T: Sample, const C: usize>(
         for (row, line) in rows.iter_mut().zip(line..) {
             let mut done = 0;
             map.footprints(line, 0..(row.len() / C) as i32, &mut |block| {
-                let start = usize::try_from(block.x).unwrap_or(usize::MAX).saturating_mul(C);
-                let end = start.saturating_add(block.u.len().saturating_mul(C));
-                // What is not right of what came before, or beyond the row, is no pixel of it.
-                if start < done || end > row.len() || !is_even(block) {
-                    return;
-                }
-                painter.fill(&mut row[done..start]);
-                painter.paint(block, &mut row[start..end]);
-                done = end;
+                let place = samples_at::<C>(block.x, block.u.len(), done, row.len());
+                let Some(place) = place.filter(|_| is_even(block)) else { return };
+                painter.fill(&mut row[done..place.start]);
+                done = place.end;
+                painter.paint(block, &mut row[place]);
             });
             painter.fill(&mut row[done..]);
         }

@@ -3,6 +3,7 @@
 use collinear::adjust::bundle::Adjusted;
 use collinear::camera::{ExteriorOrientation, InteriorOrientation};
 use collinear::nalgebra::{Matrix3, Point2, Point3, Vector3};
+use collinear::resample::{Border, ImageViewMut, Sample};
 use proptest::prelude::*;
 
 /// A point of a cube of half side `extent` about the origin.
@@ -140,6 +141,16 @@ pub fn signed(seed: u64) -> impl FnMut() -> f64 {
     move || 2.0 * next() - 1.0
 }
 
+/// A point of two coordinates.
+pub fn point2(value: &serde_json::Value) -> Point2<f64> {
+    Point2::from_slice(&numbers(value))
+}
+
+/// A list of them.
+pub fn points2(value: &serde_json::Value) -> Vec<Point2<f64>> {
+    value.as_array().unwrap().iter().map(point2).collect()
+}
+
 /// Points of three coordinates, one after the other.
 pub fn points3(value: &serde_json::Value) -> Vec<Point3<f64>> {
     numbers(value).chunks(3).map(Point3::from_slice).collect()
@@ -164,5 +175,49 @@ pub fn same_on_any_number_of_threads<C: PartialEq + std::fmt::Debug + Send>(
         assert_eq!(one.points(), other.points());
         assert_eq!(one.exteriors(), other.exteriors());
         assert_eq!(one.cameras(), other.cameras());
+    }
+}
+
+/// Samples that look like chance, from a seed.
+pub fn noise<T>(seed: u32, of: impl Fn(u32) -> T) -> impl FnMut() -> T {
+    let mut random = seed | 1;
+    move || {
+        random ^= random << 13;
+        random ^= random >> 17;
+        random ^= random << 5;
+        of(random)
+    }
+}
+
+/// Paints a picture over what was there before, and holds it to what each row's pixels should be found to be: the border's
+/// constant, or what was there, where nothing is.
+pub fn same_as_lookups<T: Sample, const C: usize>(
+    what: &str,
+    [width, height]: [usize; 2],
+    before: Vec<T>,
+    border: Border,
+    paint: impl FnOnce(&mut ImageViewMut<'_, T, C>),
+    mut find: impl FnMut(i32, &mut [Option<[T; C]>]),
+) {
+    let mut pixels = before.clone();
+    paint(&mut ImageViewMut::<T, C>::new(&mut pixels, width, height).unwrap());
+    let constant = |k: usize| match border {
+        Border::Constant(values) => Some(T::from_f32(values[k])),
+        _ => None,
+    };
+    let mut expected = before;
+    for (y, row) in expected.chunks_exact_mut(width * C).enumerate() {
+        let mut found = vec![None; width];
+        find(y as i32, &mut found);
+        for (pixel, value) in row.chunks_exact_mut(C).zip(found) {
+            for (k, sample) in pixel.iter_mut().enumerate() {
+                *sample = value.map(|v| v[k]).or(constant(k)).unwrap_or(*sample);
+            }
+        }
+    }
+    if let Some(i) = pixels.iter().zip(&expected).position(|(p, e)| p != e) {
+        let (x, y) = (i / C % width, i / C / width);
+        let (value, expected) = (pixels[i], expected[i]);
+        panic!("{what}, {border:?}: {value:?} and not {expected:?} at {x}, {y} of {C} channels");
     }
 }
