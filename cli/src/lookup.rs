@@ -1,20 +1,19 @@
 //! A picture drawn by looking up each of its pixels in another.
 
-use std::num::NonZero;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
-use std::thread;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Error, Result, anyhow, bail};
 use collinear::ProjectionError;
 use collinear::error::Brief;
-use collinear::mapping::{BlockSink, Map};
+use collinear::mapping::span::Span;
+use collinear::mapping::{BlockSink, FootprintSink, Map};
 use collinear::nalgebra::{Matrix2, Point2};
 use collinear::resample::{Border, Filter, ImageView, ImageViewMut, warp};
 use collinear_io::picture::Picture;
 
 /// Rows drawn between two reports of progress.
-const BAND: usize = 64;
+pub(crate) const STEP: usize = 256;
 
 /// A picture that was drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -107,7 +106,7 @@ impl Lookup<'_> {
     }
 }
 
-/// What every band of rows is drawn with.
+/// What all rows are drawn with.
 struct Job<'a> {
     lookup: Lookup<'a>,
     photograph: &'a Picture,
@@ -129,53 +128,43 @@ impl Job<'_> {
 
     /// The new picture's samples, and how many of its pixels lie in the photograph.
     ///
-    /// The photograph is looked up as it is, with all of its channels, and the rows of a band then get what they need of
-    /// them: no copy of the photograph with other channels is made.
+    /// The photograph is looked up as it is, with all of its channels, and the rows then get what they need of them: no
+    /// copy of the photograph with other channels is made.
     fn run<const C: usize>(&self, progress: &dyn Fn(usize, usize)) -> Result<(Vec<u8>, u64)> {
         let row = self.lookup.width as usize * self.channels();
         let height = self.lookup.height as usize;
         let mut data = vec![0; row * height];
-        let threads = thread::available_parallelism().map_or(1, NonZero::get);
         let (mut seen, mut done) = (0, 0);
         progress(0, height);
-        for some in data.chunks_mut(row * BAND * threads) {
-            let first = done;
-            done += some.len() / row;
-            let counts: Vec<Result<u64>> = thread::scope(|scope| {
-                let bands = some.chunks_mut(row * BAND).enumerate();
-                let draw = |(i, rows)| scope.spawn(move || self.band::<C>(first + i * BAND, rows));
-                let drawn: Vec<_> = bands.map(draw).collect();
-                let lost = |_| Err(anyhow!("a part of the picture was not drawn"));
-                drawn.into_iter().map(|d| d.join().unwrap_or_else(lost)).collect()
-            });
-            for count in counts {
-                seen += count?;
-            }
+        for rows in data.chunks_mut(row * STEP) {
+            seen += self.rows::<C>(done, rows)?;
+            done += rows.len() / row;
             progress(done, height);
         }
         Ok((data, seen))
     }
 
     /// Draws the rows from `first` on, and counts their pixels that lie in the photograph.
-    fn band<const C: usize>(&self, first: usize, rows: &mut [u8]) -> Result<u64> {
+    fn rows<const C: usize>(&self, first: usize, rows: &mut [u8]) -> Result<u64> {
         let (width, channels) = (self.lookup.width as usize, self.channels());
         let size = [self.photograph.width, self.photograph.height];
         let [w, h] = size.map(|s| s as usize);
         let source = ImageView::<u8, C>::new(&self.photograph.data, w, h)?;
         let count = rows.len() / (width * channels);
         let mut found = vec![0; width * count * C];
-        let inside = Mutex::new(vec![false; width * count]);
-        let band = Band { map: self.lookup.map, first: first as i32, width, size, inside };
+        let map = Below { map: self.lookup.map, first: first as i32 };
+        let inside = (0..width * count).map(|_| AtomicBool::new(false)).collect();
+        let marked = Marked { map, width, size, inside };
         for (target, border) in self.passes::<C>() {
             found.fill(0);
             let mut view = ImageViewMut::<u8, C>::new(&mut found, width, count)?;
-            warp(source, &band, self.filter, border, &mut view);
+            warp(source, &marked, self.filter, border, &mut view);
             match target.len() {
                 3 => copy_samples::<3, C>(rows, channels, target.start, &found),
                 _ => copy_samples::<1, C>(rows, channels, target.start, &found),
             }
         }
-        let inside = band.inside.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let inside: Vec<bool> = marked.inside.into_iter().map(AtomicBool::into_inner).collect();
         let seen = inside.iter().filter(|i| **i).count() as u64;
         if self.opacity() {
             for (new, inside) in rows.chunks_exact_mut(channels).zip(inside) {
@@ -215,24 +204,20 @@ fn copy_samples<const N: usize, const C: usize>(
     }
 }
 
-/// A map's rows from `first` on, which marks the pixels that lie in the photograph.
+/// The rows of a map from one on.
 #[derive(Debug)]
-struct Band<'a> {
-    map: &'a dyn Map,
-    first: i32,
-    width: usize,
-    /// The photograph's.
-    size: [u32; 2],
-    inside: Mutex<Vec<bool>>,
+pub(crate) struct Below<'a> {
+    pub(crate) map: &'a dyn Map,
+    pub(crate) first: i32,
 }
 
-impl Band<'_> {
+impl Below<'_> {
     fn whole(&self, p: &Point2<f64>) -> Point2<f64> {
         Point2::new(p.x, p.y + f64::from(self.first))
     }
 }
 
-impl Map for Band<'_> {
+impl Map for Below<'_> {
     fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
         self.map.at(&self.whole(screen))
     }
@@ -242,14 +227,46 @@ impl Map for Band<'_> {
     }
 
     fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
-        let mut inside = self.inside.lock().unwrap_or_else(PoisonError::into_inner);
+        self.map.blocks(line + self.first, samples, emit);
+    }
+
+    fn footprints(&self, line: i32, samples: Range<i32>, emit: &mut FootprintSink<'_>) {
+        self.map.footprints(line + self.first, samples, emit);
+    }
+
+    fn span(&self, line: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {
+        self.map.span(line + self.first, samples)
+    }
+}
+
+/// A map that marks the pixels that lie in the photograph. It hands out no spans, whose pixels it would not see.
+#[derive(Debug)]
+struct Marked<'a> {
+    map: Below<'a>,
+    width: usize,
+    /// The photograph's.
+    size: [u32; 2],
+    inside: Vec<AtomicBool>,
+}
+
+impl Map for Marked<'_> {
+    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
+        self.map.at(screen)
+    }
+
+    fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
+        self.map.jacobian(screen)
+    }
+
+    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
         let start = line as usize * self.width;
         let [w, h] = self.size.map(f64::from);
-        self.map.blocks(line + self.first, samples, &mut |x, u, v| {
+        self.map.blocks(line, samples, &mut |x, u, v| {
             // As a lookup with a transparent border decides: by the texel that contains the point.
             for (x, (u, v)) in (x..).zip(u.iter().zip(v)) {
-                if let Some(mark) = inside.get_mut(start + x as usize) {
-                    *mark = (0.0..w).contains(u) && (0.0..h).contains(v);
+                if let Some(mark) = self.inside.get(start + x as usize) {
+                    let within = (0.0..w).contains(u) && (0.0..h).contains(v);
+                    mark.store(within, Ordering::Relaxed);
                 }
             }
             emit(x, u, v);

@@ -1,15 +1,11 @@
 //! A picture through a map.
 
-use std::ops::Range;
-
 use anyhow::{Result, bail};
-use collinear::ProjectionError;
 use collinear::geometry::Affine2;
 use collinear::geometry::homography::Homography;
 use collinear::mapping::polynomial::{Bilinear, Cubic, Quadratic};
-use collinear::mapping::span::Span;
-use collinear::mapping::{BlockSink, FootprintSink, FractionalLinear, Map};
-use collinear::nalgebra::{Matrix2, Matrix3, Point2};
+use collinear::mapping::{FractionalLinear, Map};
+use collinear::nalgebra::{Matrix3, Point2};
 use collinear::resample::{
     Alpha, AreaFilter, Border, Coding, Filter, ImageView, ImageViewMut, Light, Pyramid, Sample,
     light_of, samples_of, warp, warp_area,
@@ -18,8 +14,7 @@ use collinear_io::map::MapFile;
 use collinear_io::picture::{Picture, PictureFormat};
 use rayon::ThreadPool;
 
-/// Rows painted between two reports of progress.
-const STEP: usize = 256;
+use crate::lookup::{Below, STEP};
 
 /// What a value between texels is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -265,40 +260,5 @@ impl<'a, T: Sample, const C: usize> Source<'a, T, C> {
             Self::Point(view, filter) => warp(*view, map, *filter, border, target),
             Self::Area(pyramid, filter) => warp_area(pyramid, map, *filter, border, target),
         }
-    }
-}
-
-/// The rows of a map from one on.
-#[derive(Debug)]
-struct Below<'a> {
-    map: &'a dyn Map,
-    first: i32,
-}
-
-impl Below<'_> {
-    fn whole(&self, p: &Point2<f64>) -> Point2<f64> {
-        Point2::new(p.x, p.y + f64::from(self.first))
-    }
-}
-
-impl Map for Below<'_> {
-    fn at(&self, screen: &Point2<f64>) -> Result<Point2<f64>, ProjectionError> {
-        self.map.at(&self.whole(screen))
-    }
-
-    fn jacobian(&self, screen: &Point2<f64>) -> Result<Matrix2<f64>, ProjectionError> {
-        self.map.jacobian(&self.whole(screen))
-    }
-
-    fn blocks(&self, line: i32, samples: Range<i32>, emit: &mut BlockSink<'_>) {
-        self.map.blocks(line + self.first, samples, emit);
-    }
-
-    fn footprints(&self, line: i32, samples: Range<i32>, emit: &mut FootprintSink<'_>) {
-        self.map.footprints(line + self.first, samples, emit);
-    }
-
-    fn span(&self, line: i32, samples: Range<i32>) -> Option<(Span<2>, Range<i32>)> {
-        self.map.span(line + self.first, samples)
     }
 }
